@@ -1,0 +1,182 @@
+# libhtree. `make help` lists the targets; `make config=debug check` works for any config.
+
+config ?= release
+B := build/$(config)
+VERSION := 0.1.0
+SONAME := libhtree.so.0
+
+PREFIX ?= /usr/local
+DESTDIR ?=
+CC ?= cc
+INSTALL ?= install
+PKG_CONFIG ?= pkg-config
+CLANG_FORMAT ?= clang-format
+
+# ---- Flags: ours first, the user's CFLAGS CPPFLAGS LDFLAGS after them and never changed -----------
+WARN := -pedantic -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wc++-compat
+ifdef WERROR
+WARN += -Werror
+endif
+OPT_release := -O3 -DNDEBUG -fstack-protector-strong
+OPT_debug := -O1 -g
+OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+OPT_tsan := -O1 -g -fsanitize=thread
+OPT_coverage := -O0 -g --coverage
+ifndef OPT_$(config)
+$(error config=$(config): use release, debug, sanitize, tsan or coverage)
+endif
+# No contraction, no fast-math: every build gives the same bits (one answer, see include/htree.h).
+BASE := -std=c99 -ffp-contract=off -fvisibility=hidden -fPIC $(OPT_$(config)) $(WARN)
+LINK := $(OPT_$(config)) $(LDFLAGS)
+OURS_CPP := -Iinclude -MMD -MP
+POSIX := -D_POSIX_C_SOURCE=200809L
+
+ifdef V
+Q :=
+else
+Q := @
+endif
+say = @printf '%-8s %s\n' $(1) $(2)
+
+# ---- Optional packages ----------------------------------------------------------------------------
+have = $(shell $(PKG_CONFIG) --exists $(1) 2>/dev/null && echo yes)
+HAVE_PNG := $(call have,libpng)
+HAVE_ASSIMP := $(call have,assimp)
+HAVE_CMOCKA := $(call have,cmocka)
+
+# ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
+LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c))
+COMMON_SRC := $(sort $(wildcard examples/common/*.c))
+TEST_COMMON_SRC := $(sort $(wildcard tests/common/*.c))
+TEST_SRC := $(sort $(wildcard tests/test_*.c))
+obj = $(patsubst %.c,$(B)/%.o,$(1))
+LIB_OBJ := $(call obj,$(LIB_SRC))
+STATIC := $(B)/libhtree.a
+SHARED := $(B)/libhtree.so.$(VERSION)
+PROGRAMS := $(B)/minimal
+ifeq ($(HAVE_PNG),yes)
+PROGRAMS += $(B)/htree-render
+endif
+TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC))
+
+.DEFAULT_GOAL := all
+.SUFFIXES:
+.SECONDARY:
+.DELETE_ON_ERROR:
+
+all: $(STATIC) $(SHARED) $(PROGRAMS) ## build the library and the programs into build/$(config)
+ifneq ($(HAVE_PNG),yes)
+	@echo "skipped htree-render: libpng is missing (make deps, or apt-get install libpng-dev)"
+endif
+ifneq ($(HAVE_ASSIMP),yes)
+	@echo "note: htree-render reads PLY only: assimp is missing (apt-get install libassimp-dev)"
+endif
+
+lib: $(STATIC) $(SHARED) ## the library alone: needs a C compiler and nothing else
+
+# ---- Compile --------------------------------------------------------------------------------------
+$(B)/lib/%.o: lib/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib -DHTREE_BUILDING $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+PNG_CFLAGS := $(if $(HAVE_PNG),$(shell $(PKG_CONFIG) --cflags libpng))
+PNG_LIBS := $(if $(HAVE_PNG),$(shell $(PKG_CONFIG) --libs libpng))
+ASSIMP_CFLAGS := $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP $(shell $(PKG_CONFIG) --cflags assimp))
+ASSIMP_LIBS := $(if $(HAVE_ASSIMP),$(shell $(PKG_CONFIG) --libs assimp))
+
+$(B)/examples/%.o: examples/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Iexamples/common $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
+	    $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+# White-box tests may see the internal headers, so tests link the static library.
+$(B)/tests/%.o: tests/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib -Iexamples/common -Itests/common \
+	    $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+# ---- Link -----------------------------------------------------------------------------------------
+$(STATIC): $(LIB_OBJ)
+	$(call say,AR,$@)
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
+
+$(SHARED): $(LIB_OBJ) lib/htree.map
+	$(call say,LINK,$@)
+	$(Q)$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/htree.map -Wl,-z,relro,-z,now \
+	    $(LINK) -o $@ $(LIB_OBJ) -lm -lpthread
+	$(Q)ln -sf $(@F) $(B)/$(SONAME) && ln -sf $(SONAME) $(B)/libhtree.so
+
+$(B)/minimal: $(B)/examples/minimal.o $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $^ -lm -lpthread
+
+$(B)/htree-%: $(B)/examples/%.o $(call obj,$(COMMON_SRC)) $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $^ $(PNG_LIBS) $(ASSIMP_LIBS) -lm -lpthread
+
+$(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC)) $(B)/examples/common/shapes.o $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
+
+# ---- Run ------------------------------------------------------------------------------------------
+OUT := $(B)/out
+
+run: all ## render the gallery (or MESH=path) and its heat maps into build/$(config)/out
+	@mkdir -p $(OUT)
+	$(Q)sh examples/gallery.sh $(B)/htree-render $(OUT) $(MESH)
+
+bench: all ## time every kind on the built-in scenes (or MESH=path)
+	$(Q)sh tests/bench/bench.sh $(B)/htree-render $(OUT) $(MESH)
+
+# ---- Check ----------------------------------------------------------------------------------------
+tests: $(TESTS) ## build the test programs
+ifneq ($(HAVE_CMOCKA),yes)
+	@echo "error: the tests need cmocka (make deps, or apt-get install libcmocka-dev)" && exit 1
+endif
+
+test: all tests ## run the test programs of this config
+	$(Q)sh tests/run.sh $(config)
+
+check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, symbols
+	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
+	$(Q)$(MAKE) --no-print-directory config=tsan all tests
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan house
+
+layers: ## check the include law and the map of lib/README.md
+	$(Q)sh tests/layers.sh
+
+# ---- House ----------------------------------------------------------------------------------------
+FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' 2>/dev/null)
+format: ## format all C sources in place
+	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
+
+PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev
+deps: ## install the Debian packages that are missing
+	$(Q)sh examples/deps.sh $(PACKAGES)
+
+install: $(STATIC) $(SHARED) ## install the library under $(DESTDIR)$(PREFIX)
+	$(INSTALL) -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib
+	$(INSTALL) -m 644 include/htree.h $(DESTDIR)$(PREFIX)/include/
+	$(INSTALL) -m 644 $(STATIC) $(DESTDIR)$(PREFIX)/lib/
+	$(INSTALL) -m 755 $(SHARED) $(DESTDIR)$(PREFIX)/lib/
+	ln -sf libhtree.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME)
+	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/libhtree.so
+
+uninstall: ## remove what install put there
+	rm -f $(DESTDIR)$(PREFIX)/include/htree.h $(DESTDIR)$(PREFIX)/lib/libhtree.a \
+	    $(DESTDIR)$(PREFIX)/lib/libhtree.so $(DESTDIR)$(PREFIX)/lib/$(SONAME) \
+	    $(DESTDIR)$(PREFIX)/lib/libhtree.so.$(VERSION)
+
+clean: ## remove build/
+	rm -rf build
+
+help: ## this list
+	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 14
+
+.PHONY: all lib run bench tests test check layers format deps install uninstall clean help
+
+-include $(shell find $(B) -name '*.d' 2>/dev/null)

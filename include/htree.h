@@ -1,0 +1,295 @@
+/* htree.h: ray queries over hierarchies that are cheap enough to build anew for every frame.
+ *
+ *     htree_mesh mesh = {.positions = xyz, .vertex_count = n, .indices = abc, .triangle_count = m};
+ *     htree *tree = NULL;
+ *     if (htree_build(&tree, &mesh, NULL) != HTREE_OK) puts(htree_error_text());
+ *     htree_intersect(tree, rays, ray_count, hits, NULL);
+ *     htree_free(tree);
+ *
+ * Data takes one way: mesh -> htree_build -> htree -> htree_intersect -> hits. A finished tree
+ * never changes, so any number of threads may query one. Structures after V. Havran, R. Herzog,
+ * H.-P. Seidel, "On the Fast Construction of Spatial Hierarchies for Ray Tracing", 2006 (below:
+ * "the paper").
+ *
+ * One answer. The closest hit is the minimum of (t, prim) over one triangle test that every kind,
+ * thread count and device shares: the same bits everywhere. No ray through a shared edge or vertex
+ * of a closed mesh is lost.
+ *
+ * Errors. Every call that can fail returns an htree_status; on failure it writes nothing but NULL
+ * through its out-pointer, and htree_error_text() says in words what was wrong. Nothing here exits,
+ * prints, or keeps global state beyond that text, which is per thread.
+ *
+ * SPDX-License-Identifier: MIT */
+#ifndef HTREE_HEADER
+#define HTREE_HEADER
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(_WIN32) && defined(HTREE_BUILDING)
+#define HTREE_API __declspec(dllexport)
+#elif defined(__GNUC__)
+#define HTREE_API __attribute__((visibility("default")))
+#else
+#define HTREE_API
+#endif
+
+/* ---- Version ------------------------------------------------------------------------------- */
+
+#define HTREE_VERSION_MAJOR 0
+#define HTREE_VERSION_MINOR 1
+#define HTREE_VERSION_PATCH 0
+
+/* Version of the library that is linked: major * 10000 + minor * 100 + patch. */
+HTREE_API uint32_t htree_version(void);
+
+/* ---- Status -------------------------------------------------------------------------------- */
+
+typedef int32_t htree_status;
+
+enum {
+    HTREE_OK = 0,
+    HTREE_ERROR_ARGUMENT = 1, /* a NULL, a size, a flag or a number that the call does not take */
+    HTREE_ERROR_MEMORY = 2,   /* the allocator returned NULL */
+    HTREE_ERROR_LIMIT = 3,    /* more objects than the structure can address */
+    HTREE_ERROR_GEOMETRY =
+        4, /* an index outside the vertices; with HTREE_STRICT also bad numbers */
+    HTREE_ERROR_CANCELLED = 5,   /* the progress hook asked to stop */
+    HTREE_ERROR_UNSUPPORTED = 6, /* this build of the library lacks the kind that was asked for */
+    HTREE_ERROR_CORRUPT = 7      /* htree_check found a broken tree */
+};
+
+/* Name of a status, for logs. Never NULL, static. Any thread. */
+HTREE_API const char *htree_status_name(htree_status status);
+
+/* What was wrong, in a sentence: the text of the last call that failed on the calling thread, "" if
+ * none did. Never NULL; stays valid until the next call that fails on this thread. */
+HTREE_API const char *htree_error_text(void);
+
+/* ---- Rays and hits: the same bytes in C, in OpenCL C and in every binding -------------------- */
+
+/* A point of the ray is org + t * dir; dir need not be normalised, and t is in lengths of dir.
+ * Hits count for tmin <= t <= tmax; tmin may be negative, tmax may be infinite.
+ * A ray misses in constant time when a field is NaN, when tmin > tmax, when a component of org
+ * exceeds HTREE_COORDINATE_MAX, or when the largest component of dir is outside
+ * [1 / HTREE_COORDINATE_MAX, HTREE_COORDINATE_MAX]. */
+typedef struct htree_ray {
+    float org[3];
+    float tmin;
+    float dir[3];
+    float tmax;
+} htree_ray;
+
+/* The closest hit. On a triangle (v0, v1, v2) the point is (1 - u - v) v0 + u v1 + v v2. A miss has
+ * prim == HTREE_NONE, t == tmax of the ray, u == v == 0. Of hits with equal t the lowest prim wins.
+ */
+typedef struct htree_hit {
+    float t, u, v;
+    uint32_t prim; /* triangle i of the mesh is i; object j is triangle_count + j */
+} htree_hit;
+
+#define HTREE_NONE           UINT32_MAX
+#define HTREE_COORDINATE_MAX 1152921504606846976.0f /* 2^60 */
+
+typedef struct htree_box {
+    float lo[3], hi[3];
+} htree_box;
+
+/* ---- Geometry ------------------------------------------------------------------------------ */
+
+/* Intersects object `object` (0-based) with the ray: returns nonzero and fills t, u, v of *hit if
+ * the object is hit with tmin <= t <= tmax, at its smallest such t; the library sets prim. Must be
+ * a pure function of its arguments, and org + t * dir must lie in the object's box, up to rounding;
+ * hits outside [tmin, tmax] or with a NaN are ignored. Called from any thread that works for a
+ * query. */
+typedef int32_t (*htree_object_intersect)(void *user, uint32_t object, const htree_ray *ray,
+                                          htree_hit *hit);
+
+/* Objects of the caller's own ("user geometry"): cones, spheres, ... known by box and callback. */
+typedef struct htree_objects {
+    const htree_box *boxes; /* `count` boxes that contain the objects; copied by htree_build */
+    uint64_t count;
+    htree_object_intersect intersect;
+    void *user; /* handed to `intersect`; must live as long as the tree */
+} htree_objects;
+
+/* Triangles, and objects if any. Start from zero: `htree_mesh mesh = {0};`. Every array is borrowed
+ * until htree_build returns, and nothing past its end is read. */
+typedef struct htree_mesh {
+    const float *positions;   /* x y z of vertex i, i * position_stride bytes from here */
+    uint64_t position_stride; /* bytes, a multiple of 4, at least 12; 0 means 12 */
+    uint64_t vertex_count;
+    const uint32_t *indices; /* three per triangle; NULL: triangle i is vertices 3i, 3i+1, 3i+2 */
+    uint64_t triangle_count;
+    const htree_objects *objects; /* NULL: none */
+    uint64_t reserved[2];         /* 0 */
+} htree_mesh;
+
+/* ---- Hooks: all optional, a zeroed hook means the library's own way -------------------------- */
+
+/* Memory. allocate returns `bytes` bytes at a multiple of `alignment` (a power of two) or NULL;
+ * release gets the same `bytes` back. Called from any thread that works for the call. */
+typedef struct htree_allocator {
+    void *(*allocate)(void *user, uint64_t bytes, uint64_t alignment);
+    void (*release)(void *user, void *memory, uint64_t bytes);
+    void *user;
+} htree_allocator;
+
+/* Parallel for. run calls task(data, i) once for every 0 <= i < count, in any order, on any
+ * threads, and returns when all are done. Without it the library starts threads for the length of a
+ * call. */
+typedef struct htree_tasks {
+    void (*run)(void *user, uint32_t count, void (*task)(void *data, uint32_t index), void *data);
+    void *user;
+} htree_tasks;
+
+/* Progress. report gets 0 <= fraction <= 1, not decreasing within a call, and returns nonzero to
+ * cancel the call. It is called on the thread that made the call, and on no other. */
+typedef struct htree_progress {
+    int32_t (*report)(void *user, double fraction);
+    void *user;
+} htree_progress;
+
+/* ---- Options ------------------------------------------------------------------------------- */
+
+typedef int32_t htree_kind;
+
+enum {
+    HTREE_UG = 1,         /* uniform grid */
+    HTREE_KD = 2,         /* kd-tree by the surface area heuristic (SAH) */
+    HTREE_BVH_MEDIAN = 3, /* bounding volume hierarchy, spatial median */
+    HTREE_BVH_SAH = 4,    /* bounding volume hierarchy, SAH over buckets of centroids */
+    HTREE_SKD = 5,        /* spatial kd-tree: two planes a node */
+    HTREE_H = 6,          /* H-tree: spatial kd-tree with sparse bounding volumes */
+    HTREE_AH = 7          /* H-tree by a 3D grid and a summed-area table: O(N log log N) */
+};
+
+/* "h", "bvh-sah", ... or NULL for a number that is no kind; and back, 0 for a name that is none. */
+HTREE_API const char *htree_kind_name(htree_kind kind);
+HTREE_API htree_kind htree_kind_from_name(const char *name);
+
+/* Flags of htree_options. */
+enum {
+    HTREE_STRICT = 1 /* refuse NaN, infinite and oversize coordinates instead of skipping them */
+};
+
+/* How to build. htree_options_init writes every default; change what you need after it. */
+typedef struct htree_options {
+    uint32_t size; /* sizeof(htree_options), written by htree_options_init */
+    htree_kind kind;
+    uint32_t flags; /* HTREE_STRICT */
+    uint32_t
+        threads; /* for the build and for queries: 0 all cores, 1 the caller's only, n at most n */
+
+    uint32_t buckets; /* M of the paper's section 5, 2 to 64: cost is evaluated at M - 1 planes */
+    uint32_t axes;    /* 1: split along the widest extent of centroids only; 3: try all axes */
+
+    /* Costs of section 6.3 in any common unit. Fixed defaults: a tree must not depend on timing. */
+    float cost_skd;       /* C_SKD^T, traversing a node with two separating planes (eq. 2) */
+    float cost_bv2;       /* C_2PN^T, clipping by two planes (eq. 3) */
+    float cost_bv6;       /* C_6PN^T, clipping by six planes (eq. 4) */
+    float cost_intersect; /* C_IT, one ray-object test */
+
+    htree_allocator allocator;
+    htree_tasks tasks;
+    htree_progress progress; /* of htree_build only */
+} htree_options;
+
+/* Writes the defaults of `kind` into *options; size is sizeof(htree_options). */
+HTREE_API htree_status htree_options_init(htree_options *options, uint64_t size, htree_kind kind);
+
+/* ---- Build --------------------------------------------------------------------------------- */
+
+typedef struct htree htree;
+
+/* Builds a tree over the mesh; the caller frees *out with htree_free. The tree keeps no pointer
+ * into the mesh but `objects->user` and the hooks' `user`. Geometry   triangles with a NaN,
+ * infinite or larger coordinate than HTREE_COORDINATE_MAX are skipped (HTREE_STRICT: refused),
+ * triangles without area are never hit; both are counted in htree_stats. No triangles at all is
+ * fine: every ray misses. Threads    independent builds may run at once. Errors     ARGUMENT,
+ * MEMORY, LIMIT, GEOMETRY, CANCELLED, UNSUPPORTED; then *out is NULL. NULL       options: the
+ * defaults of HTREE_H. Nothing else may be NULL. */
+HTREE_API htree_status htree_build(htree **out, const htree_mesh *mesh,
+                                   const htree_options *options);
+
+/* Frees the tree. NULL is allowed. No query may be running on it. */
+HTREE_API void htree_free(htree *tree);
+
+/* ---- Query --------------------------------------------------------------------------------- */
+
+/* What one ray cost, in the paper's terms. */
+typedef struct htree_counters {
+    uint32_t traversal_steps; /* N_TS: nodes (cells) visited, leaves included */
+    uint32_t leaf_steps;      /* N_ETS: leaves (cells) visited */
+    uint32_t intersections;   /* N_IT: objects tested */
+    uint32_t reserved;
+} htree_counters;
+
+/* How to query. htree_query_init writes every default. */
+typedef struct htree_query {
+    uint32_t size; /* sizeof(htree_query), written by htree_query_init */
+    uint32_t flags;
+    uint32_t threads; /* as in htree_options */
+    uint32_t reserved;
+    htree_counters *counters; /* one per ray, or NULL; counting costs a little time */
+    htree_progress progress;
+} htree_query;
+
+HTREE_API htree_status htree_query_init(htree_query *query, uint64_t size);
+
+/* Writes the closest hit of every ray: hits[i] of rays[i].
+ * Threads    the library (or the tasks hook) spreads a batch over cores; a small batch and a single
+ *            ray stay on the caller's thread. Any number of threads may call this on one tree. The
+ *            hits do not depend on any of it.
+ * Errors     ARGUMENT; CANCELLED, and then the hits are unspecified.
+ * NULL       query: defaults, with the threads of the tree's options. rays and hits only if count
+ *            is 0. Rays and hits may not overlap. */
+HTREE_API htree_status htree_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
+                                       htree_hit *hits, const htree_query *query);
+
+/* Writes 1 for every ray that hits anything, else 0. Otherwise as htree_intersect, and faster. */
+HTREE_API htree_status htree_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
+                                      uint8_t *occluded, const htree_query *query);
+
+/* ---- Inspect ------------------------------------------------------------------------------- */
+
+/* Bounds of everything that can be hit; lo = +inf, hi = -inf if there is nothing. */
+HTREE_API htree_status htree_get_bounds(const htree *tree, htree_box *bounds);
+
+typedef struct htree_stats {
+    uint32_t size; /* sizeof(htree_stats), set by the caller before htree_get_stats */
+    htree_kind kind;
+    uint64_t triangles;  /* as given */
+    uint64_t objects;    /* as given */
+    uint64_t invalid;    /* skipped: NaN, infinite or oversize coordinates */
+    uint64_t degenerate; /* skipped: triangles without area */
+
+    uint64_t nodes;      /* N_NS, all nodes */
+    uint64_t leaves;     /* N_E */
+    uint64_t references; /* N_ER, references from leaves to triangles and objects */
+    uint64_t skd_nodes, bv2_nodes, bv6_nodes, link_nodes; /* by type, H-tree and its kin */
+
+    uint32_t depth;       /* nodes on the longest way from the root to a leaf */
+    uint32_t stack;       /* entries that a traversal stack can need at most */
+    uint64_t bytes;       /* memory of the finished tree, geometry included */
+    uint64_t peak_bytes;  /* most memory held at any time of the build */
+    double build_seconds; /* T_C, wall clock */
+    double sah_cost; /* expected cost of a random ray that meets the bounds, in the options' unit */
+} htree_stats;
+
+/* Fills *stats, whose `size` the caller has set. Walks the tree: O(nodes). */
+HTREE_API htree_status htree_get_stats(const htree *tree, htree_stats *stats);
+
+/* Proves the structure: every node is reached once, every box and plane contains what lies below
+ * it, every object is referenced, depth and stack are as stated. O(nodes). Errors: CORRUPT, MEMORY.
+ */
+HTREE_API htree_status htree_check(const htree *tree);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

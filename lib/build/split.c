@@ -1,0 +1,165 @@
+/* split.c: buckets over the centroids of one axis, tight boxes by two sweeps, the minimum of eq. 1.
+ *
+ * The axis is the widest extent of the *centroids*: a few large objects widen a box on axes where
+ * nothing can be separated, and interiors then cost several times the steps. O(n + M) per split. */
+#include "split.h"
+
+enum { MAX_BUCKETS = 64 };
+
+typedef struct bucket {
+    float lo[4], hi[4]; /* four lanes, so that compilers use one instruction; the last is idle */
+    uint32_t count;
+} bucket;
+
+static void bucket_clear(bucket *b) {
+    for (int i = 0; i < 4; ++i) {
+        b->lo[i] = INFINITY;
+        b->hi[i] = -INFINITY;
+    }
+    b->count = 0;
+}
+
+static htree_box bucket_box(const bucket *b) {
+    const htree_box box = {{b->lo[0], b->lo[1], b->lo[2]}, {b->hi[0], b->hi[1], b->hi[2]}};
+    return box;
+}
+
+HT_INLINE float centroid(const ht_prim *prim, uint32_t axis) {
+    return prim->lo[axis] + prim->hi[axis];
+}
+
+HT_INLINE uint32_t bucket_index(const ht_split *split, float c) {
+    const uint32_t index = (uint32_t)((c - split->origin) * split->scale);
+    return index < split->buckets ? index : split->buckets - 1;
+}
+
+static htree_box centroid_bounds(const ht_prim *prims, uint32_t count) {
+    htree_box box = ht_box_empty();
+    for (uint32_t i = 0; i < count; ++i) {
+        const float c[3] = {centroid(&prims[i], 0), centroid(&prims[i], 1), centroid(&prims[i], 2)};
+        ht_box_add_point(&box, c);
+    }
+    return box;
+}
+
+/* Few objects need few planes: the cost function has only n - 1 steps. */
+static uint32_t bucket_count(const htree_options *options, uint32_t count) {
+    const uint32_t wanted = 4 + count / 8;
+    return wanted < options->buckets ? wanted : options->buckets;
+}
+
+/* False if the centroids have no extent on the axis. */
+static bool split_scale(ht_split *split, uint32_t axis, const htree_box *centroids) {
+    const float extent = centroids->hi[axis] - centroids->lo[axis];
+    split->axis = axis;
+    split->origin = centroids->lo[axis];
+    split->scale = (float)split->buckets / extent;
+    /* A denormal extent makes the scale infinite; such centroids count as equal. */
+    return extent > 0 && split->scale <= 1e37f;
+}
+
+static void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_t count,
+                         bucket *buckets) {
+    for (uint32_t b = 0; b < split->buckets; ++b) bucket_clear(&buckets[b]);
+    for (uint32_t i = 0; i < count; ++i) {
+        const ht_prim *prim = &prims[i];
+        bucket *b = &buckets[bucket_index(split, centroid(prim, split->axis))];
+        for (int k = 0; k < 3; ++k) {
+            b->lo[k] = ht_min(b->lo[k], prim->lo[k]);
+            b->hi[k] = ht_max(b->hi[k], prim->hi[k]);
+        }
+        ++b->count;
+    }
+}
+
+/* The two sweeps: boxes of everything right of each plane, then of everything left of it. Sets
+ * plane, left_count and both boxes to the minimum of eq. 1 and returns its cost, undivided by SA,
+ * which all planes and axes share. */
+static double sweep(const bucket *buckets, uint32_t count, ht_split *split) {
+    htree_box right_box[MAX_BUCKETS];
+    htree_box box = ht_box_empty();
+    for (uint32_t b = split->buckets - 1; b > 0; --b) {
+        const htree_box own = bucket_box(&buckets[b]);
+        ht_box_add(&box, &own);
+        right_box[b] = box;
+    }
+    box = ht_box_empty();
+    uint32_t left_count = 0;
+    double cheapest = INFINITY;
+    for (uint32_t plane = 1; plane < split->buckets; ++plane) {
+        const htree_box own = bucket_box(&buckets[plane - 1]);
+        ht_box_add(&box, &own);
+        left_count += buckets[plane - 1].count;
+        const double cost = (double)left_count * (double)ht_box_area(&box) +
+                            (double)(count - left_count) * (double)ht_box_area(&right_box[plane]);
+        if (cost < cheapest) {
+            cheapest = cost;
+            split->plane = plane;
+            split->left_count = left_count;
+            split->left = box;
+            split->right = right_box[plane];
+        }
+    }
+    return cheapest;
+}
+
+static htree_box prims_box(const ht_prim *prims, uint32_t count) {
+    htree_box box = ht_box_empty();
+    for (uint32_t i = 0; i < count; ++i) {
+        ht_box_add_point(&box, prims[i].lo);
+        ht_box_add_point(&box, prims[i].hi);
+    }
+    return box;
+}
+
+static void split_in_the_middle(const ht_prim *prims, uint32_t count, uint32_t axis,
+                                ht_split *split) {
+    split->axis = axis;
+    split->plane = 0;
+    split->left_count = count / 2;
+    split->left = prims_box(prims, split->left_count);
+    split->right = prims_box(prims + split->left_count, count - split->left_count);
+}
+
+static bool levels_are_scarce(uint32_t count, uint32_t levels) {
+    return levels < 32 && (uint64_t)count > (uint64_t)1 << (levels - 1);
+}
+
+HT_NOINLINE void ht_split_find(const htree_options *options, const ht_prim *prims, uint32_t count,
+                               uint32_t levels, ht_split *split) {
+    assert(count >= 2 && levels >= 1);
+    bucket buckets[MAX_BUCKETS];
+    const htree_box centroids = centroid_bounds(prims, count);
+    const uint32_t widest = (uint32_t)ht_widest_axis(&centroids);
+    const uint32_t axes = levels_are_scarce(count, levels) ? 0 : options->axes;
+    double cheapest = INFINITY;
+    for (uint32_t i = 0; i < axes; ++i) {
+        ht_split candidate = {0};
+        candidate.buckets = bucket_count(options, count);
+        if (!split_scale(&candidate, (widest + i) % 3, &centroids)) continue;
+        fill_buckets(&candidate, prims, count, buckets);
+        const double cost = sweep(buckets, count, &candidate);
+        if (cost < cheapest) {
+            cheapest = cost;
+            *split = candidate;
+        }
+    }
+    if (cheapest == INFINITY) split_in_the_middle(prims, count, widest, split);
+}
+
+/* Branch-free: where a prim goes is as good as random, and a mispredicted branch costs more than
+ * the second store. */
+void ht_split_apply(const ht_split *split, ht_prim *prims, ht_prim *spare, uint32_t count) {
+    if (split->plane == 0) return;
+    uint32_t left = 0, right = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const ht_prim prim = prims[i];
+        const uint32_t goes_left = bucket_index(split, centroid(&prim, split->axis)) < split->plane;
+        prims[left] = prim;
+        spare[right] = prim;
+        left += goes_left;
+        right += 1 - goes_left;
+    }
+    assert(left == split->left_count && left > 0 && right > 0);
+    memcpy(prims + left, spare, right * sizeof *spare);
+}

@@ -1,0 +1,27 @@
+/* split.h: the discretised surface area heuristic of section 5, shared by all object hierarchies.
+ */
+#ifndef HT_SPLIT_H
+#define HT_SPLIT_H
+
+#include "build.h"
+
+/* Prims with bucket(centroid) < plane on `axis` go left; both sides are never empty. */
+typedef struct ht_split {
+    uint32_t axis;
+    uint32_t plane;      /* 0: no plane separates the centroids; split in the middle by index */
+    float origin, scale; /* bucket(c) = (c - origin) * scale */
+    uint32_t buckets;    /* M */
+    uint32_t left_count;
+    htree_box left, right; /* tight boxes A_L and A_R of both sides */
+} ht_split;
+
+/* Finds the cheapest split of count >= 2 prims by eq. 1. `levels` is how many levels of branching
+ * may still follow: when they get scarce the split is in the middle, which keeps any tree within
+ * HT_MAX_DEPTH. */
+void ht_split_find(const htree_options *options, const ht_prim *prims, uint32_t count,
+                   uint32_t levels, ht_split *split);
+
+/* Brings the left side to the front, keeping the order within both sides. */
+void ht_split_apply(const ht_split *split, ht_prim *prims, ht_prim *spare, uint32_t count);
+
+#endif

@@ -1,0 +1,146 @@
+/* trace.c: htree_intersect and htree_occluded: the arguments, the batch on all cores, and every
+ * ray's way from the caller's bytes to the walk of the tree's kind. */
+#include "trace.h"
+#include "base/sized.h"
+
+static const struct {
+    htree_kind kind;
+    const ht_walks *walks;
+} walkers[] = {
+    {HTREE_BVH_SAH, &ht_bvh_walks},
+    {HTREE_H, &ht_h_walks},
+};
+
+static const ht_walks *find_walks(htree_kind kind) {
+    for (size_t i = 0; i < sizeof walkers / sizeof *walkers; ++i) {
+        if (walkers[i].kind == kind) return walkers[i].walks;
+    }
+    return NULL;
+}
+
+bool ht_intersect_object(const htree *tree, uint32_t prim, const htree_ray *ray, htree_hit *hit) {
+    memset(hit, 0, sizeof *hit);
+    const uint32_t object = prim - tree->triangle_count;
+    return tree->intersect(tree->intersect_user, object, ray, hit) && ray->tmin <= hit->t &&
+           hit->t <= ray->tmax && hit->u == hit->u && hit->v == hit->v;
+}
+
+/* ---- One ray ------------------------------------------------------------------------------------
+ */
+
+HT_INLINE void trace_ray(const htree *tree, ht_walk *walk, const htree_ray *ray, htree_hit *hit,
+                         htree_counters *counters) {
+    const htree_hit miss = {ray->tmax, 0, 0, HTREE_NONE};
+    ht_ray r;
+    *hit = miss;
+    if (tree->prim_count == 0 || !ht_ray_init(&r, ray, &tree->bounds)) return;
+    walk(tree, ray, &r, hit, counters);
+}
+
+/* ---- A batch ------------------------------------------------------------------------------------
+ */
+
+enum { BLOCK = 512 }; /* rays a task: long against the cost of claiming it, short against a frame */
+
+typedef struct batch {
+    const htree *tree;
+    ht_walk *walk;
+    const htree_ray *rays;
+    uint64_t count;
+    uint32_t block;
+    htree_hit *hits;   /* closest */
+    uint8_t *occluded; /* any */
+    htree_counters *counters;
+    ht_progress progress;
+} batch;
+
+static void trace_block(void *data, uint32_t index) {
+    batch *b = (batch *)data;
+    const uint64_t first = (uint64_t)index * b->block;
+    const uint64_t end = first + b->block < b->count ? first + b->block : b->count;
+    if (!ht_progress_step(&b->progress, 0)) return;
+    for (uint64_t i = first; i < end; ++i) {
+        htree_counters counters = {0, 0, 0, 0};
+        htree_hit hit;
+        trace_ray(b->tree, b->walk, &b->rays[i], &hit, &counters);
+        if (b->hits) {
+            b->hits[i] = hit;
+        } else {
+            b->occluded[i] = hit.prim != HTREE_NONE;
+        }
+        if (b->counters) b->counters[i] = counters;
+    }
+    ht_progress_step(&b->progress, end - first);
+}
+
+static htree_status read_query(const htree *tree, const htree_query *given, htree_query *query) {
+    HT_TRY(htree_query_init(query, sizeof *query));
+    query->threads = tree->threads;
+    if (!given) return HTREE_OK;
+    HT_TRY(ht_sized_read(query, sizeof *query, sizeof *query, given, given->size, "query"));
+    if (query->flags || query->reserved)
+        return ht_fail(HTREE_ERROR_ARGUMENT, "query.flags and query.reserved must be 0");
+    return HTREE_OK;
+}
+
+static htree_status run_batch(batch *b, const htree_query *query) {
+    uint64_t block = BLOCK;
+    while (b->count / block >= UINT32_MAX / 4) block *= 2;
+    b->block = (uint32_t)block;
+    const uint32_t blocks = (uint32_t)((b->count + block - 1) / block);
+    ht_progress_begin(&b->progress, &query->progress, b->count);
+    ht_parallel_for(&b->tree->tasks, query->threads, blocks, trace_block, b);
+    if (b->progress.cancelled)
+        return ht_fail(HTREE_ERROR_CANCELLED, "the progress hook cancelled the query");
+    return HTREE_OK;
+}
+
+static htree_status trace_batch(const htree *tree, const htree_ray *rays, uint64_t count,
+                                htree_hit *hits, uint8_t *occluded, const htree_query *given) {
+    htree_query query;
+    HT_TRY(ht_tree_verify(tree));
+    HT_TRY(read_query(tree, given, &query));
+    if (count == 0) return HTREE_OK;
+    if (!rays) return ht_fail(HTREE_ERROR_ARGUMENT, "rays is NULL");
+    if (!hits && !occluded)
+        return ht_fail(HTREE_ERROR_ARGUMENT, "the array for the answers is NULL");
+    if (count > UINT64_MAX / sizeof *rays)
+        return ht_fail(HTREE_ERROR_ARGUMENT, "count exceeds the address space");
+    const ht_walks *walks = find_walks(tree->kind);
+    batch b = {tree,
+               NULL,
+               rays,
+               count,
+               0,
+               hits,
+               occluded,
+               query.counters,
+               {{NULL, NULL}, 0, 0, 0, NULL, 0}};
+    if (hits) {
+        b.walk = query.counters ? walks->closest_counted : walks->closest;
+    } else {
+        b.walk = query.counters ? walks->any_counted : walks->any;
+    }
+    return run_batch(&b, &query);
+}
+
+htree_status htree_query_init(htree_query *query, uint64_t size) {
+    if (!query) return ht_fail(HTREE_ERROR_ARGUMENT, "query is NULL");
+    if (size < sizeof *query || size > 65536) {
+        return ht_fail(HTREE_ERROR_ARGUMENT, "size is %llu: pass sizeof(htree_query)",
+                       (unsigned long long)size);
+    }
+    memset(query, 0, (size_t)size);
+    query->size = (uint32_t)size;
+    return HTREE_OK;
+}
+
+htree_status htree_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
+                             htree_hit *hits, const htree_query *query) {
+    return trace_batch(tree, rays, count, hits, NULL, query);
+}
+
+htree_status htree_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
+                            uint8_t *occluded, const htree_query *query) {
+    return trace_batch(tree, rays, count, NULL, occluded, query);
+}

@@ -1,0 +1,73 @@
+/* trace.h: what walks share. A walk takes a prepared ray through the nodes of its kind.
+ *
+ * Each walk is written once, as a forced-inline function of two constants (any: stop at the first
+ * hit; counted: count steps), and instantiated by HT_DEFINE_WALKS. */
+#ifndef HT_TRACE_H
+#define HT_TRACE_H
+
+#include "ray.h"
+#include "tree/tree.h"
+
+/* Walks the tree, which holds at least one prim. *hit holds the best answer so far, at first
+ * {tmax, 0, 0, HTREE_NONE}. With `any` the walk returns at the first hit. */
+typedef void ht_walk(const htree *tree, const htree_ray *ray, const ht_ray *r, htree_hit *hit,
+                     htree_counters *counters);
+
+typedef struct ht_walks {
+    ht_walk *closest, *any, *closest_counted, *any_counted;
+} ht_walks;
+
+extern const ht_walks ht_bvh_walks; /* bvh.c */
+extern const ht_walks ht_h_walks;   /* h.c */
+
+#define HT_DEFINE_WALKS(name, walk)                                                                \
+    static void closest(const htree *t, const htree_ray *ray, const ht_ray *r, htree_hit *h,       \
+                        htree_counters *c) {                                                       \
+        walk(t, ray, r, h, c, false, false);                                                       \
+    }                                                                                              \
+    static void any(const htree *t, const htree_ray *ray, const ht_ray *r, htree_hit *h,           \
+                    htree_counters *c) {                                                           \
+        walk(t, ray, r, h, c, true, false);                                                        \
+    }                                                                                              \
+    static void closest_counted(const htree *t, const htree_ray *ray, const ht_ray *r,             \
+                                htree_hit *h, htree_counters *c) {                                 \
+        walk(t, ray, r, h, c, false, true);                                                        \
+    }                                                                                              \
+    static void any_counted(const htree *t, const htree_ray *ray, const ht_ray *r, htree_hit *h,   \
+                            htree_counters *c) {                                                   \
+        walk(t, ray, r, h, c, true, true);                                                         \
+    }                                                                                              \
+    const ht_walks name = {closest, any, closest_counted, any_counted}
+
+/* An entry of a traversal stack: a node and the interval of the ray inside its traversal box. */
+typedef struct ht_stack_entry {
+    uint32_t slot;
+    float tnear, tfar;
+} ht_stack_entry;
+
+/* Asks the caller's own object. What comes back is not trusted: it must lie in [tmin, tmax]. */
+HT_NOINLINE bool ht_intersect_object(const htree *tree, uint32_t prim, const htree_ray *ray,
+                                     htree_hit *hit);
+
+/* Tests one prim and keeps the minimum of (t, prim) in *hit; returns whether the prim was hit at
+ * all. */
+HT_INLINE bool ht_intersect_prim(const htree *tree, uint32_t prim, const htree_ray *ray,
+                                 const ht_ray *r, htree_hit *hit) {
+    htree_hit found;
+    if (prim < tree->triangle_count) {
+        const ht_triangle *triangle = &tree->triangles[prim];
+        if (!ht_triangle_intersect(&r->shear, triangle->v[0], triangle->v[1], triangle->v[2],
+                                   r->tmin, hit->t, &found)) {
+            return false;
+        }
+    } else if (!ht_intersect_object(tree, prim, ray, &found)) {
+        return false;
+    }
+    if (found.t < hit->t || (found.t == hit->t && prim < hit->prim)) {
+        *hit = found;
+        hit->prim = prim;
+    }
+    return true;
+}
+
+#endif

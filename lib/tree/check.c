@@ -1,0 +1,87 @@
+/* check.c: htree_check: proves what walks rely on, so that a walk needs no checks of its own. */
+#include "visit.h"
+
+typedef struct proof {
+    const htree *tree;
+    uint8_t *slot_seen; /* a bit per slot */
+    uint8_t *prim_seen; /* a bit per prim */
+    uint64_t prims_seen;
+} proof;
+
+/* Sets bit i and returns whether it was set before. */
+static bool mark(uint8_t *bits, uint32_t i) {
+    const uint8_t bit = (uint8_t)(1u << (i & 7));
+    const bool before = (bits[i >> 3] & bit) != 0;
+    bits[i >> 3] = (uint8_t)(bits[i >> 3] | bit);
+    return before;
+}
+
+static htree_status check_leaf(proof *p, const ht_place *place, uint32_t prim) {
+    const htree *tree = p->tree;
+    if (prim >= tree->triangle_count + tree->object_count || !ht_prim_is_hittable(tree, prim)) {
+        return ht_fail(HTREE_ERROR_CORRUPT,
+                       "slot %lu refers to prim %lu, which was skipped or is none",
+                       (unsigned long)place->slot, (unsigned long)prim);
+    }
+    if (mark(p->prim_seen, prim)) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "two leaves refer to prim %lu", (unsigned long)prim);
+    }
+    ++p->prims_seen;
+    const htree_box box = ht_prim_box(tree, prim);
+    if (!ht_box_contains(&place->box, &box)) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "prim %lu sticks out of its leaf at slot %lu",
+                       (unsigned long)prim, (unsigned long)place->slot);
+    }
+    return HTREE_OK;
+}
+
+static htree_status check_node(void *data, const ht_place *place, const ht_node_view *view) {
+    proof *p = (proof *)data;
+    for (uint32_t i = 0; i < view->slots; ++i) {
+        if (mark(p->slot_seen, place->slot + i)) {
+            return ht_fail(HTREE_ERROR_CORRUPT, "slot %lu is reached twice",
+                           (unsigned long)(place->slot + i));
+        }
+    }
+    if (place->branches > p->tree->stack) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "slot %lu lies %lu branches deep, the tree states %lu",
+                       (unsigned long)place->slot, (unsigned long)place->branches,
+                       (unsigned long)p->tree->stack);
+    }
+    /* Objects hang below a node only through its children, so boxes need proof at the leaves alone:
+     * every traversal box on the way there contains the leaf's. */
+    return view->role == HT_LEAF ? check_leaf(p, place, view->prim) : HTREE_OK;
+}
+
+static htree_status run_proof(proof *p) {
+    HT_TRY(ht_visit_nodes(p->tree, check_node, p));
+    if (p->prims_seen != p->tree->prim_count) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "leaves refer to %llu of %lu prims",
+                       (unsigned long long)p->prims_seen, (unsigned long)p->tree->prim_count);
+    }
+    return HTREE_OK;
+}
+
+htree_status htree_check(const htree *tree) {
+    HT_TRY(ht_tree_verify(tree));
+    if (tree->stack > HT_MAX_DEPTH) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "the tree states a stack of %lu",
+                       (unsigned long)tree->stack);
+    }
+    /* A copy of the hook with its own count: a query may not change the tree. */
+    ht_memory memory = {tree->memory.hook, 0, 0};
+    const uint64_t slot_bytes = tree->node_slots / 8 + 1;
+    const uint64_t prim_bytes = ((uint64_t)tree->triangle_count + tree->object_count) / 8 + 1;
+    proof p = {tree, NULL, NULL, 0};
+    p.slot_seen = (uint8_t *)ht_allocate(&memory, slot_bytes);
+    p.prim_seen = (uint8_t *)ht_allocate(&memory, prim_bytes);
+    htree_status status = HTREE_ERROR_MEMORY;
+    if (p.slot_seen && p.prim_seen) {
+        memset(p.slot_seen, 0, (size_t)slot_bytes);
+        memset(p.prim_seen, 0, (size_t)prim_bytes);
+        status = run_proof(&p);
+    }
+    ht_release(&memory, p.prim_seen, prim_bytes);
+    ht_release(&memory, p.slot_seen, slot_bytes);
+    return status;
+}

@@ -1,0 +1,46 @@
+/* tree.h: the finished tree: geometry in the order of the mesh, nodes in the layout of its kind. */
+#ifndef HT_TREE_H
+#define HT_TREE_H
+
+#include "base/memory.h"
+#include "base/tasks.h"
+#include "base/vec.h"
+#include "layout.h"
+
+typedef struct ht_triangle {
+    float v[3][3];
+} ht_triangle;
+
+struct htree {
+    htree_kind kind;
+    uint32_t threads;
+    htree_tasks tasks;
+    ht_memory memory;
+
+    htree_box bounds;    /* of all prims that can be hit */
+    uint32_t prim_count; /* prims that can be hit; ids run over triangles, then objects */
+    uint32_t triangle_count, object_count;
+    ht_triangle *triangles; /* by prim; a skipped one is all 0 and no leaf refers to it */
+    htree_box *object_boxes;
+    htree_object_intersect intersect;
+    void *intersect_user;
+
+    void *nodes; /* of the kind's type in layout.h, root first; none if prim_count is 0 */
+    uint32_t node_slots;
+    uint32_t node_slot_bytes;
+    uint32_t stack; /* traversal stack entries needed at most, <= HT_MAX_DEPTH */
+
+    uint64_t invalid, degenerate;
+    float cost_skd, cost_bv2, cost_bv6, cost_intersect;
+    double build_seconds;
+};
+
+htree_box ht_prim_box(const htree *tree, uint32_t prim);
+
+/* False for the prims that the build skipped. */
+bool ht_prim_is_hittable(const htree *tree, uint32_t prim);
+
+/* Fails with ARGUMENT if tree is NULL or was not made by htree_build. */
+htree_status ht_tree_verify(const htree *tree);
+
+#endif

@@ -1,0 +1,126 @@
+#include "visit.h"
+
+/* ---- How each kind reads its nodes --------------------------------------------------------------
+ */
+
+static void add_child(ht_node_view *view, const ht_place *parent, uint32_t slot,
+                      const htree_box *box) {
+    ht_place *child = &view->child[view->child_count++];
+    child->slot = slot;
+    child->depth = parent->depth + 1;
+    child->branches = parent->branches + (view->role == HT_SPLIT);
+    child->box = *box;
+}
+
+static bool view_bvh(const htree *tree, const ht_place *place, ht_node_view *view) {
+    const ht_bvh_node *nodes = (const ht_bvh_node *)tree->nodes;
+    const ht_bvh_node *node = &nodes[place->slot];
+    view->slots = 1;
+    if (node->tag == HT_BVH_LEAF) {
+        view->role = HT_LEAF;
+        view->prim = node->child;
+        return true;
+    }
+    if (node->tag > 2 || node->child >= tree->node_slots - 1) return false;
+    view->role = HT_SPLIT;
+    for (uint32_t i = 0; i < 2; ++i) {
+        htree_box box;
+        memcpy(box.lo, nodes[node->child + i].lo, sizeof box.lo);
+        memcpy(box.hi, nodes[node->child + i].hi, sizeof box.hi);
+        add_child(view, place, node->child + i, &box);
+    }
+    return true;
+}
+
+static void view_h_bound(const ht_h_node *node, const ht_place *place, ht_node_view *view) {
+    htree_box box = place->box;
+    if (node->tag == HT_H_BV6) {
+        ht_h_bv6 bv6;
+        memcpy(&bv6, node, sizeof bv6);
+        memcpy(box.lo, bv6.lo, sizeof box.lo);
+        memcpy(box.hi, bv6.hi, sizeof box.hi);
+    } else {
+        box.lo[node->tag - HT_H_BV2] = node->a;
+        box.hi[node->tag - HT_H_BV2] = node->b;
+    }
+    box = ht_box_intersection(&box, &place->box);
+    add_child(view, place, place->slot + view->slots, &box);
+}
+
+static bool view_h(const htree *tree, const ht_place *place, ht_node_view *view) {
+    const ht_h_node *node = (const ht_h_node *)tree->nodes + place->slot;
+    view->slots = node->tag == HT_H_BV6 ? 2 : 1;
+    if (view->slots > tree->node_slots - place->slot) return false;
+    if (node->tag == HT_H_LEAF) {
+        view->role = HT_LEAF;
+        view->prim = node->child;
+    } else if (node->tag == HT_H_LINK) {
+        view->role = HT_LINK;
+        add_child(view, place, node->child, &place->box);
+    } else if (node->tag >= HT_H_BV2 && node->tag <= HT_H_BV6) {
+        view->role = node->tag == HT_H_BV6 ? HT_BV6 : HT_BV2;
+        view_h_bound(node, place, view);
+    } else if (node->tag >= HT_H_SKD && node->tag < HT_H_BV2) {
+        const uint32_t axis = node->tag - HT_H_SKD;
+        htree_box left = place->box, right = place->box;
+        left.hi[axis] = ht_min(left.hi[axis], node->a);
+        right.lo[axis] = ht_max(right.lo[axis], node->b);
+        view->role = HT_SPLIT;
+        add_child(view, place, place->slot + 1, &left);
+        add_child(view, place, node->child, &right);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) {
+    if (place->slot >= tree->node_slots) return false;
+    memset(view, 0, sizeof *view);
+    switch (tree->kind) {
+    case HTREE_BVH_SAH:
+        return view_bvh(tree, place, view);
+    case HTREE_H:
+        return view_h(tree, place, view);
+    default:
+        return false;
+    }
+}
+
+ht_place ht_root_place(const htree *tree) {
+    const ht_place root = {0, 1, 0, tree->bounds};
+    return root;
+}
+
+/* ---- All nodes ----------------------------------------------------------------------------------
+ */
+
+/* Depth first by recursion, which the check of `branches` bounds: chains of bounding and link nodes
+ * are followed in the loop. */
+static htree_status visit_below(const htree *tree, const ht_place *top, uint64_t *budget,
+                                ht_see_node *see, void *data) {
+    ht_place place = *top;
+    for (;;) {
+        ht_node_view view;
+        if (!ht_view_node(tree, &place, &view)) {
+            return ht_fail(HTREE_ERROR_CORRUPT, "slot %lu holds no node",
+                           (unsigned long)place.slot);
+        }
+        /* More nodes than slots, or branches than builders make: the links form a cycle. */
+        if ((*budget)-- == 0 || place.branches > HT_MAX_DEPTH) {
+            return ht_fail(HTREE_ERROR_CORRUPT, "the nodes do not form a tree at slot %lu",
+                           (unsigned long)place.slot);
+        }
+        HT_TRY(see(data, &place, &view));
+        if (view.child_count == 0) return HTREE_OK;
+        if (view.child_count == 2) HT_TRY(visit_below(tree, &view.child[1], budget, see, data));
+        place = view.child[0];
+    }
+}
+
+htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data) {
+    if (tree->prim_count == 0) return HTREE_OK;
+    const ht_place root = ht_root_place(tree);
+    uint64_t budget = tree->node_slots;
+    return visit_below(tree, &root, &budget, see, data);
+}

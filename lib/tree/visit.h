@@ -1,0 +1,37 @@
+/* visit.h: one way to see the nodes of any kind, for statistics and for proofs, not for rays. */
+#ifndef HT_VISIT_H
+#define HT_VISIT_H
+
+#include "tree.h"
+
+/* A node, and the traversal box that the nodes above it leave: B^T of the paper's section 6.1. */
+typedef struct ht_place {
+    uint32_t slot;
+    uint32_t depth;    /* nodes on the way from the root, this one included */
+    uint32_t branches; /* SKD or BVH nodes on that way, this one not included */
+    htree_box box;
+} ht_place;
+
+typedef enum ht_node_role { HT_LEAF, HT_SPLIT, HT_BV2, HT_BV6, HT_LINK, HT_ROLES } ht_node_role;
+
+/* What a node is: for a leaf its prim, else its children with their traversal boxes. */
+typedef struct ht_node_view {
+    ht_node_role role;
+    uint32_t slots; /* that the node takes */
+    uint32_t prim;
+    uint32_t child_count;
+    ht_place child[2];
+} ht_node_view;
+
+ht_place ht_root_place(const htree *tree);
+
+/* Views the node at *place; false if it is no node of the tree's kind or reaches outside its slots.
+ */
+bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view);
+
+/* Calls see(data, place, view) for every node, parents first, until it fails. CORRUPT if a node
+ * cannot be viewed or the nodes are no tree. */
+typedef htree_status ht_see_node(void *data, const ht_place *place, const ht_node_view *view);
+htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data);
+
+#endif
