@@ -170,6 +170,9 @@ uninstall: ## remove what install put there
 	    $(DESTDIR)$(PREFIX)/lib/libhtree.so $(DESTDIR)$(PREFIX)/lib/$(SONAME) \
 	    $(DESTDIR)$(PREFIX)/lib/libhtree.so.$(VERSION)
 
+print-packages:
+	@echo $(PACKAGES)
+
 clean: ## remove build/
 	rm -rf build
 
@@ -177,6 +180,6 @@ help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 14
 
-.PHONY: all lib run bench tests test check layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench tests test check layers format deps install uninstall clean help
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

@@ -52,12 +52,11 @@ typedef int32_t htree_status;
 
 enum {
     HTREE_OK = 0,
-    HTREE_ERROR_ARGUMENT = 1, /* a NULL, a size, a flag or a number that the call does not take */
-    HTREE_ERROR_MEMORY = 2,   /* the allocator returned NULL */
-    HTREE_ERROR_LIMIT = 3,    /* more objects than the structure can address */
-    HTREE_ERROR_GEOMETRY =
-        4, /* an index outside the vertices; with HTREE_STRICT also bad numbers */
-    HTREE_ERROR_CANCELLED = 5,   /* the progress hook asked to stop */
+    HTREE_ERROR_ARGUMENT = 1,  /* a NULL, a size, a flag or a number that the call does not take */
+    HTREE_ERROR_MEMORY = 2,    /* the allocator returned NULL */
+    HTREE_ERROR_LIMIT = 3,     /* more objects than the structure can address */
+    HTREE_ERROR_GEOMETRY = 4,  /* an index beyond the vertices; with HTREE_STRICT bad numbers too */
+    HTREE_ERROR_CANCELLED = 5, /* the progress hook asked to stop */
     HTREE_ERROR_UNSUPPORTED = 6, /* this build of the library lacks the kind that was asked for */
     HTREE_ERROR_CORRUPT = 7      /* htree_check found a broken tree */
 };
@@ -205,13 +204,15 @@ HTREE_API htree_status htree_options_init(htree_options *options, uint64_t size,
 
 typedef struct htree htree;
 
-/* Builds a tree over the mesh; the caller frees *out with htree_free. The tree keeps no pointer
- * into the mesh but `objects->user` and the hooks' `user`. Geometry   triangles with a NaN,
- * infinite or larger coordinate than HTREE_COORDINATE_MAX are skipped (HTREE_STRICT: refused),
- * triangles without area are never hit; both are counted in htree_stats. No triangles at all is
- * fine: every ray misses. Threads    independent builds may run at once. Errors     ARGUMENT,
- * MEMORY, LIMIT, GEOMETRY, CANCELLED, UNSUPPORTED; then *out is NULL. NULL       options: the
- * defaults of HTREE_H. Nothing else may be NULL. */
+/* Builds a tree over the mesh; the caller frees *out with htree_free. The tree keeps no pointer into
+ * the mesh but `objects->user` and the hooks' `user`.
+ * Geometry   triangles and boxes with a NaN, infinite or larger coordinate than
+ *            HTREE_COORDINATE_MAX, and boxes with lo > hi, are skipped (HTREE_STRICT: refused);
+ *            triangles without area are never hit. Both are counted in htree_stats. No triangles
+ *            at all is fine: every ray misses.
+ * Threads    independent builds may run at once.
+ * Errors     ARGUMENT, MEMORY, LIMIT, GEOMETRY, CANCELLED, UNSUPPORTED; then *out is NULL.
+ * NULL       options: the defaults of HTREE_H. Nothing else may be NULL. */
 HTREE_API htree_status htree_build(htree **out, const htree_mesh *mesh,
                                    const htree_options *options);
 

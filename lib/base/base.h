@@ -14,9 +14,9 @@
 #endif
 
 #if defined(__GNUC__)
-#define HT_INLINE                static inline __attribute__((always_inline))
-#define HT_NOINLINE              __attribute__((noinline))
-#define HT_UNLIKELY(x)           __builtin_expect(!!(x), 0)
+#define HT_INLINE              static inline __attribute__((always_inline))
+#define HT_NOINLINE            __attribute__((noinline))
+#define HT_UNLIKELY(x)         __builtin_expect(!!(x), 0)
 #define HT_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #else
 #define HT_INLINE static inline

@@ -20,24 +20,15 @@ const char *htree_error_text(void) {
 
 const char *htree_status_name(htree_status status) {
     switch (status) {
-    case HTREE_OK:
-        return "ok";
-    case HTREE_ERROR_ARGUMENT:
-        return "bad argument";
-    case HTREE_ERROR_MEMORY:
-        return "out of memory";
-    case HTREE_ERROR_LIMIT:
-        return "limit exceeded";
-    case HTREE_ERROR_GEOMETRY:
-        return "bad geometry";
-    case HTREE_ERROR_CANCELLED:
-        return "cancelled";
-    case HTREE_ERROR_UNSUPPORTED:
-        return "unsupported";
-    case HTREE_ERROR_CORRUPT:
-        return "corrupt tree";
-    default:
-        return "unknown status";
+    case HTREE_OK: return "ok";
+    case HTREE_ERROR_ARGUMENT: return "bad argument";
+    case HTREE_ERROR_MEMORY: return "out of memory";
+    case HTREE_ERROR_LIMIT: return "limit exceeded";
+    case HTREE_ERROR_GEOMETRY: return "bad geometry";
+    case HTREE_ERROR_CANCELLED: return "cancelled";
+    case HTREE_ERROR_UNSUPPORTED: return "unsupported";
+    case HTREE_ERROR_CORRUPT: return "corrupt tree";
+    default: return "unknown status";
     }
 }
 

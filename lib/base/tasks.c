@@ -87,7 +87,7 @@ void ht_progress_begin(ht_progress *progress, const htree_progress *hook, uint64
 bool ht_progress_step(ht_progress *progress, uint64_t amount) {
     if (!progress->hook.report) return true;
     const uint64_t done = __atomic_add_fetch(&progress->done, amount, __ATOMIC_RELAXED);
-    const double fraction = (double)done / (double)progress->total;
+    const double fraction = done < progress->total ? (double)done / (double)progress->total : 1;
     if (progress->thread == this_thread() &&
         !__atomic_load_n(&progress->cancelled, __ATOMIC_RELAXED) &&
         fraction >= progress->reported + REPORT_STEP) {

@@ -56,6 +56,13 @@ HT_INLINE bool ht_box_contains(const htree_box *outer, const htree_box *inner) {
     return true;
 }
 
+HT_INLINE bool ht_box_touches(const htree_box *a, const htree_box *b) {
+    for (int i = 0; i < 3; ++i) {
+        if (!(a->lo[i] <= b->hi[i] && b->lo[i] <= a->hi[i])) return false;
+    }
+    return true;
+}
+
 /* Half the surface area. Finite for coordinates up to HTREE_COORDINATE_MAX; 0 for an empty box. */
 HT_INLINE float ht_box_area(const htree_box *box) {
     const float x = ht_max(0, box->hi[0] - box->lo[0]);

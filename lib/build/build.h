@@ -7,11 +7,15 @@
 /* A prim as builders see it: its box. Centroids are kept doubled, lo + hi: one rounding, no
  * division. */
 typedef struct ht_prim {
-    float lo[3];
-    uint32_t id;
-    float hi[3];
-    uint32_t unused;
+    float lo[4]; /* the last lane holds the bits of the id: four lanes are one instruction */
+    float hi[4]; /* the last lane is idle */
 } ht_prim;
+
+HT_INLINE uint32_t ht_prim_id(const ht_prim *prim) {
+    uint32_t id;
+    memcpy(&id, &prim->lo[3], sizeof id);
+    return id;
+}
 
 typedef struct ht_builder {
     const htree_options *options;
@@ -25,7 +29,8 @@ typedef struct ht_builder {
 typedef htree_status ht_build(ht_builder *builder);
 
 /* One function per kind: the rows of the table in build.c. */
-ht_build ht_build_bvh_sah; /* bvh.c */
-ht_build ht_build_h;       /* h.c */
+ht_build ht_build_kd;                           /* kd.c */
+ht_build ht_build_bvh_median, ht_build_bvh_sah; /* bvh.c */
+ht_build ht_build_skd, ht_build_h;              /* h.c */
 
 #endif

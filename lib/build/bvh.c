@@ -1,4 +1,5 @@
-/* bvh.c: the bounding volume hierarchy of section 5: tight boxes, one object a leaf, 2 N - 1 nodes.
+/* bvh.c: bounding volume hierarchies: tight boxes, one object a leaf, 2 N - 1 nodes, split by eq. 1
+ * (section 5) or at the spatial median (section 9).
  *
  * A subtree over n prims takes 2 n - 1 slots wherever it is built, so the place of every node
  * follows from counts alone. O(N log N). */
@@ -6,6 +7,7 @@
 
 typedef struct bvh_build {
     ht_builder *builder;
+    bool median;
     ht_bvh_node *nodes;
     uint32_t deepest; /* levels of branching below the root */
 } bvh_build;
@@ -19,14 +21,18 @@ static htree_status subtree(bvh_build *build, uint32_t slot, uint32_t below, uin
     memcpy(node->lo, box->lo, sizeof node->lo);
     memcpy(node->hi, box->hi, sizeof node->hi);
     if (count == 1) {
-        node->child = prims->id;
+        node->child = ht_prim_id(prims);
         node->tag = HT_BVH_LEAF;
         if (level > build->deepest) build->deepest = level;
         if (!ht_progress_step(&build->builder->progress, 1)) return HTREE_ERROR_CANCELLED;
         return HTREE_OK;
     }
     ht_split split;
-    ht_split_find(build->builder->options, prims, count, HT_MAX_DEPTH - level, &split);
+    if (build->median) {
+        ht_split_find_median(prims, count, box, HT_MAX_DEPTH - level, &split);
+    } else {
+        ht_split_find(build->builder->options, prims, count, HT_MAX_DEPTH - level, &split);
+    }
     ht_split_apply(&split, prims, build->builder->spare, count);
     node->child = below;
     node->tag = split.axis;
@@ -36,12 +42,12 @@ static htree_status subtree(bvh_build *build, uint32_t slot, uint32_t below, uin
                    level + 1);
 }
 
-htree_status ht_build_bvh_sah(ht_builder *builder) {
+static htree_status build_bvh(ht_builder *builder, bool median) {
     htree *tree = builder->tree;
     if (tree->prim_count > UINT32_MAX / 2) {
         return ht_fail(HTREE_ERROR_LIMIT, "a BVH holds at most 2^31 - 1 objects");
     }
-    bvh_build build = {builder, NULL, 0};
+    bvh_build build = {builder, median, NULL, 0};
     tree->node_slots = 2 * tree->prim_count - 1;
     tree->node_slot_bytes = sizeof(ht_bvh_node);
     tree->nodes = ht_allocate(&tree->memory, (uint64_t)tree->node_slots * sizeof(ht_bvh_node));
@@ -50,4 +56,12 @@ htree_status ht_build_bvh_sah(ht_builder *builder) {
     HT_TRY(subtree(&build, 0, 1, 0, tree->prim_count, &tree->bounds, 0));
     tree->stack = build.deepest;
     return HTREE_OK;
+}
+
+htree_status ht_build_bvh_median(ht_builder *builder) {
+    return build_bvh(builder, true);
+}
+
+htree_status ht_build_bvh_sah(ht_builder *builder) {
+    return build_bvh(builder, false);
 }

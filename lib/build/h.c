@@ -1,4 +1,5 @@
-/* h.c: the H-tree of section 6: SKD nodes, and bounding nodes where the cost model wants them.
+/* h.c: the H-tree of section 6: SKD nodes, and bounding nodes where the cost model wants them; without
+ * bounding nodes it is the SKD-tree of section 5.
  *
  * At every node the split is found once by eq. 1 (tight boxes), then the cheapest of eqs. 2, 3 and
  * 4 decides which node is written: the SKD node itself, or first a BV2 or BV6 that narrows the
@@ -8,6 +9,7 @@
 
 typedef struct h_build {
     ht_builder *builder;
+    bool bounding;
     ht_h_node **chunks;
     uint32_t chunk_capacity, chunk_count;
     uint32_t used;    /* slots taken in the last chunk */
@@ -110,12 +112,12 @@ static htree_status subtree(h_build *build, uint32_t first, uint32_t count, cons
     if (count == 1) {
         if (level > build->deepest) build->deepest = level;
         if (!ht_progress_step(&build->builder->progress, 1)) return HTREE_ERROR_CANCELLED;
-        return emit_leaf(build, prims->id);
+        return emit_leaf(build, ht_prim_id(prims));
     }
     ht_split split;
     ht_split_find(build->builder->options, prims, count, HT_MAX_DEPTH - level, &split);
     ht_split_apply(&split, prims, build->builder->spare, count);
-    if (level > 0) HT_TRY(maybe_bound(build, &split, tight, count, &traversal));
+    if (build->bounding && level > 0) HT_TRY(maybe_bound(build, &split, tight, count, &traversal));
 
     const uint32_t axis = split.axis;
     ht_h_node *node;
@@ -149,7 +151,15 @@ static htree_status collect(h_build *build) {
     return HTREE_OK;
 }
 
-htree_status ht_build_h(ht_builder *builder) {
+static htree_status build_nodes(h_build *build) {
+    const htree *tree = build->builder->tree;
+    HT_TRY(chunk_begin(build));
+    if (build->bounding) HT_TRY(emit_bv6(build, &tree->bounds));
+    HT_TRY(subtree(build, 0, tree->prim_count, &tree->bounds, tree->bounds, 0));
+    return collect(build);
+}
+
+static htree_status build_h(ht_builder *builder, bool bounding) {
     htree *tree = builder->tree;
     /* At most 4 slots an object (section 6.2); slots are 32 bits. */
     const uint64_t most_slots = 4 * (uint64_t)tree->prim_count + 2;
@@ -157,19 +167,22 @@ htree_status ht_build_h(ht_builder *builder) {
     if (most_chunks * HT_H_CHUNK_SLOTS > UINT32_MAX) {
         return ht_fail(HTREE_ERROR_LIMIT, "an H-tree holds at most 2^30 objects");
     }
-    h_build build = {builder, NULL, (uint32_t)most_chunks, 0, 0, 0};
+    h_build build = {builder, bounding, NULL, (uint32_t)most_chunks, 0, 0, 0};
     build.chunks = (ht_h_node **)ht_allocate(&tree->memory, most_chunks * sizeof *build.chunks);
     if (!build.chunks) return HTREE_ERROR_MEMORY;
 
-    htree_status status = chunk_begin(&build);
-    if (status == HTREE_OK) status = emit_bv6(&build, &tree->bounds);
-    if (status == HTREE_OK) {
-        status = subtree(&build, 0, tree->prim_count, &tree->bounds, tree->bounds, 0);
-    }
-    if (status == HTREE_OK) status = collect(&build);
+    const htree_status status = build_nodes(&build);
     for (uint32_t i = 0; i < build.chunk_count; ++i) {
         ht_release(&tree->memory, build.chunks[i], HT_H_CHUNK_SLOTS * sizeof(ht_h_node));
     }
     ht_release(&tree->memory, build.chunks, most_chunks * sizeof *build.chunks);
     return status;
+}
+
+htree_status ht_build_skd(ht_builder *builder) {
+    return build_h(builder, false);
+}
+
+htree_status ht_build_h(ht_builder *builder) {
+    return build_h(builder, true);
 }

@@ -7,8 +7,9 @@
 enum { MAX_BUCKETS = 64 };
 
 typedef struct bucket {
-    float lo[4], hi[4]; /* four lanes, so that compilers use one instruction; the last is idle */
+    float lo[4], hi[4]; /* lanes as in ht_prim; the last means nothing */
     uint32_t count;
+    uint32_t unused[3];
 } bucket;
 
 static void bucket_clear(bucket *b) {
@@ -64,10 +65,8 @@ static void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_t c
     for (uint32_t i = 0; i < count; ++i) {
         const ht_prim *prim = &prims[i];
         bucket *b = &buckets[bucket_index(split, centroid(prim, split->axis))];
-        for (int k = 0; k < 3; ++k) {
-            b->lo[k] = ht_min(b->lo[k], prim->lo[k]);
-            b->hi[k] = ht_max(b->hi[k], prim->hi[k]);
-        }
+        for (int k = 0; k < 4; ++k) b->lo[k] = ht_min(b->lo[k], prim->lo[k]);
+        for (int k = 0; k < 4; ++k) b->hi[k] = ht_max(b->hi[k], prim->hi[k]);
         ++b->count;
     }
 }
@@ -145,6 +144,35 @@ HT_NOINLINE void ht_split_find(const htree_options *options, const ht_prim *prim
         }
     }
     if (cheapest == INFINITY) split_in_the_middle(prims, count, widest, split);
+}
+
+/* A spatial median is a split with two buckets, whatever it costs. */
+static bool try_middle(const ht_prim *prims, uint32_t count, uint32_t axis, float lo, float hi,
+                       ht_split *split) {
+    bucket buckets[2];
+    split->axis = axis;
+    split->plane = 1;
+    split->buckets = 2;
+    split->origin = lo;
+    split->scale = 2 / (hi - lo);
+    if (!(hi > lo && split->scale <= 1e37f)) return false;
+    fill_buckets(split, prims, count, buckets);
+    split->left_count = buckets[0].count;
+    split->left = bucket_box(&buckets[0]);
+    split->right = bucket_box(&buckets[1]);
+    return buckets[0].count > 0 && buckets[1].count > 0;
+}
+
+HT_NOINLINE void ht_split_find_median(const ht_prim *prims, uint32_t count, const htree_box *box,
+                                      uint32_t levels, ht_split *split) {
+    uint32_t axis = (uint32_t)ht_widest_axis(box);
+    if (!levels_are_scarce(count, levels)) {
+        if (try_middle(prims, count, axis, 2 * box->lo[axis], 2 * box->hi[axis], split)) return;
+        const htree_box centroids = centroid_bounds(prims, count);
+        axis = (uint32_t)ht_widest_axis(&centroids);
+        if (try_middle(prims, count, axis, centroids.lo[axis], centroids.hi[axis], split)) return;
+    }
+    split_in_the_middle(prims, count, axis, split);
 }
 
 /* Branch-free: where a prim goes is as good as random, and a mispredicted branch costs more than

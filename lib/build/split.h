@@ -21,6 +21,11 @@ typedef struct ht_split {
 void ht_split_find(const htree_options *options, const ht_prim *prims, uint32_t count,
                    uint32_t levels, ht_split *split);
 
+/* The spatial median: the middle of `box` along its widest axis, or of the centroids where that
+ * separates nothing. */
+void ht_split_find_median(const ht_prim *prims, uint32_t count, const htree_box *box,
+                          uint32_t levels, ht_split *split);
+
 /* Brings the left side to the front, keeping the order within both sides. */
 void ht_split_apply(const ht_split *split, ht_prim *prims, ht_prim *spare, uint32_t count);
 

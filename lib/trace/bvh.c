@@ -2,7 +2,7 @@
 #include "trace.h"
 
 HT_INLINE bool box_interval(const ht_bvh_node *node, const ht_ray *r, float tfar, float *tnear) {
-    *tnear = r->tmin;
+    *tnear = r->tnear;
     ht_ray_clip_box(r, node->lo, node->hi, tnear, &tfar);
     return *tnear <= tfar;
 }

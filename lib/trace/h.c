@@ -47,7 +47,7 @@ HT_INLINE void walk_h(const htree *tree, const htree_ray *ray, const ht_ray *r, 
                       htree_counters *counters, const bool any, const bool counted) {
     const ht_h_node *nodes = (const ht_h_node *)tree->nodes;
     ht_stack_entry stack[HT_MAX_DEPTH];
-    ht_stack_entry here = {0, r->tmin, hit->t};
+    ht_stack_entry here = {0, r->tnear, r->tfar};
     uint32_t top = 0;
     for (;;) {
         const ht_h_node *node = &nodes[here.slot];

@@ -22,6 +22,8 @@
 
 #include "triangle.h"
 
+#include <float.h>
+
 #define HT_RAY_PAD   1.9073486328125e-6f    /* 32 e */
 #define HT_RAY_ROUND 1.1920928955078125e-7f /* 2 e */
 #define HT_RAY_TINY  9.094947017729282e-13f /* 2^-40 */
@@ -31,32 +33,10 @@ typedef struct ht_ray {
     float entry[3]; /* org moved forward: where entry planes are measured from */
     float exit[3];  /* org moved back: where exit planes are measured from */
     uint32_t negative[3];
-    float tmin, tmax;
+    float tmin;        /* the caller's: where hits begin to count */
+    float tnear, tfar; /* the part of [tmin, tmax] inside the bounds */
     ht_shear shear;
 } ht_ray;
-
-/* Returns false if the ray misses by its numbers alone. bounds must not be empty. */
-HT_INLINE bool ht_ray_init(ht_ray *r, const htree_ray *ray, const htree_box *bounds) {
-    if (!ht_shear_init(&r->shear, ray)) return false;
-    float reach = 0;
-    for (int i = 0; i < 3; ++i) {
-        reach = ht_max(reach, ht_magnitude(bounds->lo[i] - ray->org[i]));
-        reach = ht_max(reach, ht_magnitude(bounds->hi[i] - ray->org[i]));
-    }
-    const float tiny = HT_RAY_TINY * ht_magnitude(ray->dir[r->shear.kz]);
-    for (int i = 0; i < 3; ++i) {
-        const float pad = HT_RAY_PAD * reach + HT_RAY_ROUND * ht_magnitude(ray->org[i]);
-        const float size = ht_max(tiny, ht_magnitude(ray->dir[i]));
-        const bool negative = ray->dir[i] < 0;
-        r->negative[i] = negative;
-        r->rdir[i] = 1 / (negative ? -size : size);
-        r->entry[i] = negative ? ray->org[i] - pad : ray->org[i] + pad;
-        r->exit[i] = negative ? ray->org[i] + pad : ray->org[i] - pad;
-    }
-    r->tmin = ray->tmin;
-    r->tmax = ray->tmax;
-    return true;
-}
 
 /* Lower bound of t beyond a plane of `axis` that bounds a region from the ray's side. */
 HT_INLINE float ht_ray_entry(const ht_ray *r, uint32_t axis, float plane) {
@@ -79,6 +59,32 @@ HT_INLINE void ht_ray_clip(const ht_ray *r, uint32_t axis, float lo, float hi, f
 HT_INLINE void ht_ray_clip_box(const ht_ray *r, const float *lo, const float *hi, float *tnear,
                                float *tfar) {
     for (uint32_t axis = 0; axis < 3; ++axis) ht_ray_clip(r, axis, lo[axis], hi[axis], tnear, tfar);
+}
+
+/* Returns false if the ray misses by its numbers alone, or misses the bounds, which must not be empty. */
+HT_INLINE bool ht_ray_init(ht_ray *r, const htree_ray *ray, const htree_box *bounds) {
+    if (!ht_shear_init(&r->shear, ray)) return false;
+    float reach = 0;
+    for (int i = 0; i < 3; ++i) {
+        reach = ht_max(reach, ht_magnitude(bounds->lo[i] - ray->org[i]));
+        reach = ht_max(reach, ht_magnitude(bounds->hi[i] - ray->org[i]));
+    }
+    const float tiny = HT_RAY_TINY * ht_magnitude(ray->dir[r->shear.kz]);
+    for (int i = 0; i < 3; ++i) {
+        const float pad =
+            ht_max(HT_RAY_PAD * reach + HT_RAY_ROUND * ht_magnitude(ray->org[i]), FLT_MIN);
+        const float size = ht_max(tiny, ht_magnitude(ray->dir[i]));
+        const bool negative = ray->dir[i] < 0;
+        r->negative[i] = negative;
+        r->rdir[i] = 1 / (negative ? -size : size);
+        r->entry[i] = negative ? ray->org[i] - pad : ray->org[i] + pad;
+        r->exit[i] = negative ? ray->org[i] + pad : ray->org[i] - pad;
+    }
+    r->tmin = ray->tmin;
+    r->tnear = ray->tmin;
+    r->tfar = ray->tmax;
+    ht_ray_clip_box(r, bounds->lo, bounds->hi, &r->tnear, &r->tfar);
+    return r->tnear <= r->tfar;
 }
 
 #endif

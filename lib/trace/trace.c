@@ -7,7 +7,8 @@ static const struct {
     htree_kind kind;
     const ht_walks *walks;
 } walkers[] = {
-    {HTREE_BVH_SAH, &ht_bvh_walks},
+    {HTREE_KD, &ht_kd_walks},       {HTREE_BVH_MEDIAN, &ht_bvh_walks},
+    {HTREE_BVH_SAH, &ht_bvh_walks}, {HTREE_SKD, &ht_h_walks},
     {HTREE_H, &ht_h_walks},
 };
 

@@ -8,6 +8,11 @@ typedef struct proof {
     uint64_t prims_seen;
 } proof;
 
+/* Cells of a divided space share the objects that reach into several; object hierarchies share none. */
+static bool is_space_divided(const htree *tree) {
+    return tree->kind == HTREE_KD || tree->kind == HTREE_UG;
+}
+
 /* Sets bit i and returns whether it was set before. */
 static bool mark(uint8_t *bits, uint32_t i) {
     const uint8_t bit = (uint8_t)(1u << (i & 7));
@@ -16,20 +21,22 @@ static bool mark(uint8_t *bits, uint32_t i) {
     return before;
 }
 
-static htree_status check_leaf(proof *p, const ht_place *place, uint32_t prim) {
+static htree_status check_prim(proof *p, const ht_place *place, uint32_t prim) {
     const htree *tree = p->tree;
     if (prim >= tree->triangle_count + tree->object_count || !ht_prim_is_hittable(tree, prim)) {
         return ht_fail(HTREE_ERROR_CORRUPT,
                        "slot %lu refers to prim %lu, which was skipped or is none",
                        (unsigned long)place->slot, (unsigned long)prim);
     }
-    if (mark(p->prim_seen, prim)) {
+    const bool seen = mark(p->prim_seen, prim);
+    if (seen && !is_space_divided(tree)) {
         return ht_fail(HTREE_ERROR_CORRUPT, "two leaves refer to prim %lu", (unsigned long)prim);
     }
-    ++p->prims_seen;
+    p->prims_seen += !seen;
     const htree_box box = ht_prim_box(tree, prim);
-    if (!ht_box_contains(&place->box, &box)) {
-        return ht_fail(HTREE_ERROR_CORRUPT, "prim %lu sticks out of its leaf at slot %lu",
+    if (is_space_divided(tree) ? !ht_box_touches(&place->box, &box)
+                               : !ht_box_contains(&place->box, &box)) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "prim %lu is not where its leaf is, at slot %lu",
                        (unsigned long)prim, (unsigned long)place->slot);
     }
     return HTREE_OK;
@@ -50,7 +57,8 @@ static htree_status check_node(void *data, const ht_place *place, const ht_node_
     }
     /* Objects hang below a node only through its children, so boxes need proof at the leaves alone:
      * every traversal box on the way there contains the leaf's. */
-    return view->role == HT_LEAF ? check_leaf(p, place, view->prim) : HTREE_OK;
+    for (uint32_t i = 0; i < view->prim_count; ++i) HT_TRY(check_prim(p, place, view->prims[i]));
+    return HTREE_OK;
 }
 
 static htree_status run_proof(proof *p) {

@@ -58,4 +58,28 @@ typedef struct ht_h_bv6 {
     ht_word unused;
 } ht_h_bv6;
 
+/* ---- kd-tree: 8 bytes a node, depth first ------------------------------------------------------------ */
+
+/* Interior: plane, and tag = slot of the right child << 2 | axis; the left child is the next slot.
+ * Leaf: plane holds the bits of the index of its first reference, tag = references << 2 | HT_KD_LEAF. */
+#define HT_KD_LEAF  3u
+#define HT_KD_SLOTS 0x40000000u
+
+typedef struct ht_kd_node {
+    float plane;
+    ht_word tag;
+} ht_kd_node;
+
+/* ---- Uniform grid: a slot per cell, x fastest -------------------------------------------------------- */
+
+/* The references of cell i are refs[node i .. node i + 1); one more node than cells. */
+typedef ht_word ht_ug_node;
+
+typedef struct ht_ug_grid {
+    float lo[3], hi[3]; /* the bounds, and a margin that no clipped ray leaves */
+    float size[3];      /* of a cell */
+    ht_word cells[3];   /* along each axis */
+    float reach; /* rays that see the bounds from farther off are walked with their own pad */
+} ht_ug_grid;
+
 #endif

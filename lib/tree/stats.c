@@ -3,6 +3,7 @@
 
 typedef struct census {
     uint64_t roles[HT_ROLES];
+    uint64_t references;
     uint32_t depth;
     double cost; /* of the nodes, weighted by the chance that a ray through the bounds meets them */
     double bounds_area;
@@ -12,19 +13,25 @@ typedef struct census {
 static htree_status count_node(void *data, const ht_place *place, const ht_node_view *view) {
     census *c = (census *)data;
     ++c->roles[view->role];
+    c->references += view->prim_count;
     if (place->depth > c->depth) c->depth = place->depth;
     const double chance =
         c->bounds_area > 0 ? (double)ht_box_area(&place->box) / c->bounds_area : 1;
-    c->cost += chance * c->role_cost[view->role];
+    c->cost += chance * (view->role == HT_LEAF ? view->prim_count * c->role_cost[HT_LEAF]
+                                               : c->role_cost[view->role]);
     return HTREE_OK;
+}
+
+/* A node of a BVH bounds and branches at once. */
+static bool is_bvh(const htree *tree) {
+    return tree->kind == HTREE_BVH_SAH || tree->kind == HTREE_BVH_MEDIAN;
 }
 
 static htree_status take_census(const htree *tree, census *c) {
     memset(c, 0, sizeof *c);
     c->bounds_area = (double)ht_box_area(&tree->bounds);
     c->role_cost[HT_LEAF] = (double)tree->cost_intersect;
-    c->role_cost[HT_SPLIT] =
-        (double)(tree->kind == HTREE_BVH_SAH ? tree->cost_bv6 : tree->cost_skd);
+    c->role_cost[HT_SPLIT] = (double)(is_bvh(tree) ? tree->cost_bv6 : tree->cost_skd);
     c->role_cost[HT_BV2] = (double)tree->cost_bv2;
     c->role_cost[HT_BV6] = (double)tree->cost_bv6;
     return ht_visit_nodes(tree, count_node, c);
@@ -52,10 +59,10 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     s.degenerate = tree->degenerate;
     for (int role = 0; role < HT_ROLES; ++role) s.nodes += c.roles[role];
     s.leaves = c.roles[HT_LEAF];
-    s.references = c.roles[HT_LEAF];
-    s.skd_nodes = tree->kind == HTREE_H ? c.roles[HT_SPLIT] : 0;
+    s.references = c.references;
+    s.skd_nodes = is_bvh(tree) ? 0 : c.roles[HT_SPLIT];
     s.bv2_nodes = c.roles[HT_BV2];
-    s.bv6_nodes = tree->kind == HTREE_BVH_SAH ? c.roles[HT_SPLIT] : c.roles[HT_BV6];
+    s.bv6_nodes = is_bvh(tree) ? c.roles[HT_SPLIT] : c.roles[HT_BV6];
     s.link_nodes = c.roles[HT_LINK];
     s.depth = c.depth;
     s.stack = tree->stack;

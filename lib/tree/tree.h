@@ -28,6 +28,9 @@ struct htree {
     void *nodes; /* of the kind's type in layout.h, root first; none if prim_count is 0 */
     uint32_t node_slots;
     uint32_t node_slot_bytes;
+    uint32_t *refs; /* prims by leaf, of the kinds whose leaves hold several */
+    uint32_t ref_count;
+    ht_ug_grid grid;
     uint32_t stack; /* traversal stack entries needed at most, <= HT_MAX_DEPTH */
 
     uint64_t invalid, degenerate;
@@ -40,7 +43,7 @@ htree_box ht_prim_box(const htree *tree, uint32_t prim);
 /* False for the prims that the build skipped. */
 bool ht_prim_is_hittable(const htree *tree, uint32_t prim);
 
-/* Fails with ARGUMENT if tree is NULL or was not made by htree_build. */
+/* Fails with ARGUMENT if tree is NULL. */
 htree_status ht_tree_verify(const htree *tree);
 
 #endif

@@ -12,13 +12,18 @@ static void add_child(ht_node_view *view, const ht_place *parent, uint32_t slot,
     child->box = *box;
 }
 
+static void view_leaf(ht_node_view *view, const uint32_t *prims, uint32_t count) {
+    view->role = HT_LEAF;
+    view->prims = prims;
+    view->prim_count = count;
+}
+
 static bool view_bvh(const htree *tree, const ht_place *place, ht_node_view *view) {
     const ht_bvh_node *nodes = (const ht_bvh_node *)tree->nodes;
     const ht_bvh_node *node = &nodes[place->slot];
     view->slots = 1;
     if (node->tag == HT_BVH_LEAF) {
-        view->role = HT_LEAF;
-        view->prim = node->child;
+        view_leaf(view, &node->child, 1);
         return true;
     }
     if (node->tag > 2 || node->child >= tree->node_slots - 1) return false;
@@ -52,8 +57,7 @@ static bool view_h(const htree *tree, const ht_place *place, ht_node_view *view)
     view->slots = node->tag == HT_H_BV6 ? 2 : 1;
     if (view->slots > tree->node_slots - place->slot) return false;
     if (node->tag == HT_H_LEAF) {
-        view->role = HT_LEAF;
-        view->prim = node->child;
+        view_leaf(view, &node->child, 1);
     } else if (node->tag == HT_H_LINK) {
         view->role = HT_LINK;
         add_child(view, place, node->child, &place->box);
@@ -74,16 +78,37 @@ static bool view_h(const htree *tree, const ht_place *place, ht_node_view *view)
     return true;
 }
 
+static bool view_kd(const htree *tree, const ht_place *place, ht_node_view *view) {
+    const ht_kd_node *node = (const ht_kd_node *)tree->nodes + place->slot;
+    view->slots = 1;
+    if ((node->tag & 3) == HT_KD_LEAF) {
+        uint32_t first;
+        memcpy(&first, &node->plane, sizeof first);
+        const uint32_t count = node->tag >> 2;
+        if (first > tree->ref_count || count > tree->ref_count - first) return false;
+        view_leaf(view, tree->refs + first, count);
+        return true;
+    }
+    const uint32_t axis = node->tag & 3;
+    htree_box left = place->box, right = place->box;
+    left.hi[axis] = node->plane;
+    right.lo[axis] = node->plane;
+    view->role = HT_SPLIT;
+    add_child(view, place, place->slot + 1, &left);
+    add_child(view, place, node->tag >> 2, &right);
+    return true;
+}
+
 bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) {
     if (place->slot >= tree->node_slots) return false;
     memset(view, 0, sizeof *view);
     switch (tree->kind) {
-    case HTREE_BVH_SAH:
-        return view_bvh(tree, place, view);
-    case HTREE_H:
-        return view_h(tree, place, view);
-    default:
-        return false;
+    case HTREE_KD: return view_kd(tree, place, view);
+    case HTREE_BVH_MEDIAN:
+    case HTREE_BVH_SAH: return view_bvh(tree, place, view);
+    case HTREE_SKD:
+    case HTREE_H: return view_h(tree, place, view);
+    default: return false;
     }
 }
 

@@ -14,11 +14,12 @@ typedef struct ht_place {
 
 typedef enum ht_node_role { HT_LEAF, HT_SPLIT, HT_BV2, HT_BV6, HT_LINK, HT_ROLES } ht_node_role;
 
-/* What a node is: for a leaf its prim, else its children with their traversal boxes. */
+/* What a node is: for a leaf its prims, else its children with their traversal boxes. */
 typedef struct ht_node_view {
     ht_node_role role;
-    uint32_t slots; /* that the node takes */
-    uint32_t prim;
+    uint32_t slots;        /* that the node takes */
+    const uint32_t *prims; /* of a leaf */
+    uint32_t prim_count;
     uint32_t child_count;
     ht_place child[2];
 } ht_node_view;

@@ -1,0 +1,298 @@
+/* shade.c: the picture is made in bands of rows, and each band in stages: primary rays, shadow rays,
+ * ambient rays. A stage is one array of rays and one call, because batches are what the library
+ * spreads over cores. Only + - * / and sqrt touch a colour: equal pictures on every machine. */
+#include "shade.h"
+
+#include "numbers.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BAND_PIXELS = 1 << 15 };
+
+/* What a primary ray has hit. */
+typedef struct surface {
+    double point[3], normal[3]; /* the normal faces the viewer */
+    double to_lamp[3];
+    uint32_t pixel; /* of the band */
+    uint32_t prim;
+} surface;
+
+typedef struct painter {
+    const shade_scene *scene;
+    double lamp[3], offset, reach; /* reach: how far away things occlude the sky */
+    uint32_t ambient;              /* rays per sample */
+    htree_query query;
+
+    /* Arrays for one band. */
+    htree_ray *rays;
+    htree_hit *hits;
+    uint8_t *blocked;
+    surface *surfaces;
+    float (*sum)[3]; /* linear light of each pixel over the samples so far */
+} painter;
+
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void normalise(double *v) {
+    const double length = sqrt(dot(v, v));
+    for (int i = 0; i < 3; ++i) v[i] = length > 0 ? v[i] / length : 0;
+}
+
+static void cross(const double *a, const double *b, double *out) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* ---- Light ------------------------------------------------------------------------------------- */
+
+/* How far a probe from the eye, ahead and upwards, gets before it meets a ceiling; infinite if it
+ * leaves the scene. */
+static double probe_ceiling(const painter *p, double *direction) {
+    const camera *view = p->scene->view;
+    htree_hit hit = {INFINITY, 0, 0, HTREE_NONE};
+    htree_ray ray = camera_ray(view, 0.5, 0.5, 1, 1);
+    for (int i = 0; i < 3; ++i) {
+        direction[i] = view->forward[i] + 0.8 * view->up[i] - 0.3 * view->right[i];
+        ray.dir[i] = (float)direction[i];
+    }
+    if (htree_intersect(p->scene->tree, &ray, 1, &hit, &p->query) != HTREE_OK) return INFINITY;
+    return (double)hit.t;
+}
+
+/* Outdoors the lamp stands at the viewer's upper left, far away. Indoors walls would hide it there,
+ * so it hangs on the way to the ceiling. */
+static void place_lamp(painter *p, const htree_box *box) {
+    const camera *view = p->scene->view;
+    double size = 0, up_ahead[3];
+    bool inside = true;
+    for (int i = 0; i < 3; ++i) {
+        const double lo = (double)box->lo[i], hi = (double)box->hi[i];
+        size += (hi - lo) * (hi - lo);
+        inside = inside && view->eye[i] > lo && view->eye[i] < hi;
+    }
+    size = sqrt(size);
+    const double ceiling = inside ? probe_ceiling(p, up_ahead) : INFINITY;
+    inside = ceiling < INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        const double middle = ((double)box->lo[i] + (double)box->hi[i]) / 2;
+        const double toward = 0.6 * view->up[i] - 0.7 * view->right[i] - 0.4 * view->forward[i];
+        p->lamp[i] =
+            inside ? view->eye[i] + 0.7 * ceiling * up_ahead[i] : middle + 20 * size * toward;
+    }
+    p->reach = size * (inside ? 0.08 : 0.3);
+    p->offset = size * 2e-6;
+}
+
+/* Warm clay under a warm lamp, a cool sky above and a warm floor below. */
+static void add_light(float *sum, double lamp, double sky, double facing_up) {
+    static const double clay[3] = {.83, .70, .56}, sun[3] = {.86, .80, .70};
+    static const double above[3] = {.27, .33, .42}, below[3] = {.17, .14, .13};
+    const double up = 0.5 + 0.5 * facing_up;
+    for (int i = 0; i < 3; ++i) {
+        const double ambient = sky * (below[i] + up * (above[i] - below[i]));
+        sum[i] += (float)(clay[i] * (ambient + lamp * sun[i]));
+    }
+}
+
+static void add_background(float *sum, double height) {
+    static const double top[3] = {.20, .29, .40}, bottom[3] = {.80, .80, .77};
+    for (int i = 0; i < 3; ++i) sum[i] += (float)(top[i] + height * (bottom[i] - top[i]));
+}
+
+/* ---- Stages ------------------------------------------------------------------------------------ */
+
+static void find_surface(const painter *p, const htree_hit *hit, const htree_ray *ray,
+                         surface *out) {
+    const shape *mesh = p->scene->mesh;
+    double corner[3][3], a[3], b[3], along = 0, largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float *v =
+            mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)hit->prim + (size_t)k];
+        for (int i = 0; i < 3; ++i) corner[k][i] = (double)v[i];
+    }
+    for (int i = 0; i < 3; ++i) {
+        a[i] = corner[1][i] - corner[0][i];
+        b[i] = corner[2][i] - corner[0][i];
+        out->point[i] = corner[0][i] + (double)hit->u * a[i] + (double)hit->v * b[i];
+        largest = fmax(largest, fabs(out->point[i]));
+    }
+    cross(a, b, out->normal);
+    normalise(out->normal);
+    for (int i = 0; i < 3; ++i) along += out->normal[i] * (double)ray->dir[i];
+    /* Secondary rays start a little above the surface: beyond the rounding of its coordinates. */
+    const double lift = p->offset + largest * 1e-6;
+    for (int i = 0; i < 3; ++i) {
+        if (along > 0) out->normal[i] = -out->normal[i];
+        out->point[i] += lift * out->normal[i];
+        out->to_lamp[i] = p->lamp[i] - out->point[i];
+    }
+    out->prim = hit->prim;
+}
+
+static htree_ray ray_from(const surface *s, const double *direction, double tmax) {
+    htree_ray ray;
+    for (int i = 0; i < 3; ++i) {
+        ray.org[i] = (float)s->point[i];
+        ray.dir[i] = (float)direction[i];
+    }
+    ray.tmin = 0;
+    ray.tmax = (float)tmax;
+    return ray;
+}
+
+/* Direction i of n around the normal, cosine-weighted: a spiral of equal areas on the unit disk,
+ * lifted to the sphere, and turned by a random angle per pixel. */
+static void ambient_direction(const double *normal, uint32_t i, uint32_t n, uint64_t bits,
+                              double *out) {
+    double side[3] = {0, 0, 0}, t[3], b[3];
+    side[fabs(normal[0]) < 0.6 ? 0 : 1] = 1;
+    cross(normal, side, t);
+    normalise(t);
+    cross(normal, t, b);
+    const double area = ((double)i + unit_from_bits(hash64(bits))) / (double)n;
+    const double turn = 0.6180339887498949 * (double)i + unit_from_bits(bits);
+    const double r = sqrt(area), x = r * cos_turns(turn), y = r * sin_turns(turn);
+    const double z = sqrt(1 - area);
+    for (int k = 0; k < 3; ++k) out[k] = x * t[k] + y * b[k] + z * normal[k];
+}
+
+/* The bits that decide everything random about one sample of one pixel. */
+static uint64_t sample_bits(const painter *p, uint64_t pixel, uint32_t sample) {
+    return hash_pair(hash_pair(p->scene->args->seed, pixel), sample);
+}
+
+/* One sample sits in the centre; more are jittered. */
+static htree_status trace_primary(painter *p, uint64_t first, uint32_t count, uint32_t sample,
+                                  uint32_t *surface_count) {
+    const render_args *args = p->scene->args;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint64_t pixel = first + i, bits = sample_bits(p, pixel, sample);
+        const double jx = args->spp > 1 ? unit_from_bits(bits) : 0.5;
+        const double jy = args->spp > 1 ? unit_from_bits(hash64(bits)) : 0.5;
+        p->rays[i] = camera_ray(p->scene->view, (double)(pixel % args->width) + jx,
+                                (double)(pixel / args->width) + jy, args->width, args->height);
+    }
+    const htree_status status = htree_intersect(p->scene->tree, p->rays, count, p->hits, &p->query);
+    *surface_count = 0;
+    if (status != HTREE_OK) return status;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (p->hits[i].prim == HTREE_NONE) {
+            const double row = (double)((first + i) / args->width);
+            add_background(p->sum[i], args->mode == MODE_SHADED ? row / args->height : 0);
+            continue;
+        }
+        surface *s = &p->surfaces[(*surface_count)++];
+        find_surface(p, &p->hits[i], &p->rays[i], s);
+        s->pixel = i;
+    }
+    return HTREE_OK;
+}
+
+/* Shadow rays come first in the batch, then the ambient rays of each surface together. The samples
+ * of a pixel share one spiral, of which each takes a part: its rays spread better than n spirals. */
+static htree_status light_surfaces(painter *p, uint64_t first, uint32_t sample, uint32_t count) {
+    const uint32_t n = p->ambient, spp = p->scene->args->spp;
+    for (uint32_t i = 0; i < count; ++i) {
+        const surface *s = &p->surfaces[i];
+        const uint64_t bits = sample_bits(p, first + s->pixel, UINT32_MAX);
+        p->rays[i] = ray_from(s, s->to_lamp, 1);
+        for (uint32_t k = 0; k < n; ++k) {
+            double direction[3];
+            ambient_direction(s->normal, k * spp + sample, n * spp, bits, direction);
+            p->rays[count + (size_t)i * n + k] = ray_from(s, direction, p->reach);
+        }
+    }
+    const htree_status status =
+        htree_occluded(p->scene->tree, p->rays, (uint64_t)count * (n + 1), p->blocked, &p->query);
+    if (status != HTREE_OK) return status;
+    const int up = p->scene->args->camera.up;
+    for (uint32_t i = 0; i < count; ++i) {
+        surface *s = &p->surfaces[i];
+        uint32_t open = 0;
+        for (uint32_t k = 0; k < n; ++k) open += !p->blocked[count + (size_t)i * n + k];
+        normalise(s->to_lamp);
+        const double lamp = p->blocked[i] ? 0 : fmax(0, dot(s->normal, s->to_lamp));
+        add_light(p->sum[s->pixel], lamp, (double)open / n, s->normal[up]);
+    }
+    return HTREE_OK;
+}
+
+/* Normals as colours, or a colour per triangle, which a hash makes as different as can be. */
+static void label_surfaces(painter *p, uint32_t count) {
+    const bool normals = p->scene->args->mode == MODE_NORMALS;
+    for (uint32_t i = 0; i < count; ++i) {
+        const surface *s = &p->surfaces[i];
+        const uint64_t bits = hash64(s->prim);
+        for (int k = 0; k < 3; ++k) {
+            const double random = 0.25 + 0.75 * (double)(bits >> (8 * k) & 255) / 255;
+            const double c = normals ? 0.5 + 0.5 * s->normal[k] : random;
+            p->sum[s->pixel][k] += (float)(c * c);
+        }
+    }
+}
+
+/* ---- Pictures ---------------------------------------------------------------------------------- */
+
+static htree_status paint_band(painter *p, picture *out, uint64_t first, uint32_t count) {
+    const render_args *args = p->scene->args;
+    memset(p->sum, 0, count * sizeof *p->sum);
+    for (uint32_t sample = 0; sample < args->spp; ++sample) {
+        uint32_t surfaces = 0;
+        htree_status status = trace_primary(p, first, count, sample, &surfaces);
+        if (status == HTREE_OK && args->mode == MODE_SHADED)
+            status = light_surfaces(p, first, sample, surfaces);
+        else if (status == HTREE_OK)
+            label_surfaces(p, surfaces);
+        if (status != HTREE_OK) return status;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        /* Gamma 2: a square root rounds alike everywhere, a power need not. */
+        const float scale = 1 / (float)args->spp;
+        const colour c = {sqrtf(p->sum[i][0] * scale), sqrtf(p->sum[i][1] * scale),
+                          sqrtf(p->sum[i][2] * scale)};
+        const uint64_t pixel = first + i;
+        picture_set(out, (int64_t)(pixel % args->width), (int64_t)(pixel / args->width), c);
+    }
+    return HTREE_OK;
+}
+
+static bool painter_start(painter *p, const shade_scene *scene) {
+    const render_args *args = scene->args;
+    const htree_box box = mesh_bounds(scene->mesh);
+    memset(p, 0, sizeof *p);
+    p->scene = scene;
+    /* Some 20 per pixel make a smooth shadow; a single sample has to do with fewer. */
+    p->ambient = args->spp < 4 ? 16 : 5;
+    htree_query_init(&p->query, sizeof p->query);
+    p->query.threads = args->threads;
+    place_lamp(p, &box);
+    const size_t rays = (size_t)BAND_PIXELS * (p->ambient + 1);
+    p->rays = (htree_ray *)malloc(rays * sizeof *p->rays);
+    p->blocked = (uint8_t *)malloc(rays);
+    p->hits = (htree_hit *)malloc(BAND_PIXELS * sizeof *p->hits);
+    p->surfaces = (surface *)malloc(BAND_PIXELS * sizeof *p->surfaces);
+    p->sum = (float(*)[3])malloc(BAND_PIXELS * sizeof *p->sum);
+    return p->rays && p->blocked && p->hits && p->surfaces && p->sum;
+}
+
+htree_status shade_picture(picture *out, const shade_scene *scene, progress *bar) {
+    painter p;
+    const uint64_t pixels = (uint64_t)scene->args->width * scene->args->height;
+    htree_status status = painter_start(&p, scene) ? HTREE_OK : HTREE_ERROR_MEMORY;
+    for (uint64_t first = 0; first < pixels && status == HTREE_OK; first += BAND_PIXELS) {
+        const uint64_t left = pixels - first;
+        progress_report(bar, (double)first / (double)pixels);
+        status = paint_band(&p, out, first, left < BAND_PIXELS ? (uint32_t)left : BAND_PIXELS);
+    }
+    free(p.rays);
+    free(p.blocked);
+    free(p.hits);
+    free(p.surfaces);
+    free(p.sum);
+    return status;
+}

@@ -1,0 +1,47 @@
+#!/bin/sh
+# deps.sh PACKAGE...: install the Debian packages that are missing, or say exactly what to install.
+#
+# Exit status: 0 if everything required is there. libassimp-dev is optional: without it, a warning.
+set -eu
+
+list_missing() {
+    for package in "$@"; do
+        status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+        [ "$status" = "install ok installed" ] || printf ' %s' "$package"
+    done
+}
+
+# Root needs no sudo; anybody else may use it only if it asks for no password.
+may_install() {
+    command -v apt-get >/dev/null || return 1
+    [ "$(id -u)" -eq 0 ] && return 0
+    sudo=sudo
+    sudo -n true 2>/dev/null
+}
+
+missing=$(list_missing "$@")
+[ -n "$missing" ] || exit 0
+
+sudo=
+if may_install; then
+    echo "installing$missing"
+    export DEBIAN_FRONTEND=noninteractive
+    $sudo apt-get update -qq || true
+    # One by one: a package that cannot be had must not keep the others out.
+    for package in $missing; do
+        $sudo apt-get install -y -qq --no-install-recommends "$package" >/dev/null || true
+    done
+    missing=$(list_missing "$@")
+fi
+
+required=
+for package in $missing; do
+    if [ "$package" = libassimp-dev ]; then
+        echo "note: htree-render will read PLY only (for more: apt-get install $package)" >&2
+    else
+        required="$required $package"
+    fi
+done
+[ -n "$required" ] || exit 0
+echo "error: please run: sudo apt-get install$required" >&2
+exit 1

@@ -1,0 +1,228 @@
+#!/bin/sh
+# house.sh: the rules of the house that no test program can see: layers, the header alone, the ABI, what
+# the library needs and exports, and what its sources may contain. Prints `ok NAME` or `FAILED NAME: why`
+# for each rule, and the details above it. Uses the release build.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+release=build/release
+shared=$release/libhtree.so
+static=$release/libhtree.a
+CC=${CC:-cc}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+bad=0
+
+# Runs rule $1, the words after it, and prints its verdict; the rule prints why it fails.
+rule() {
+    name=$1
+    shift
+    if why=$("$@" 2>&1); then
+        echo "ok $name"
+    else
+        bad=1
+        [ "$(printf '%s\n' "$why" | wc -l)" -gt 1 ] && printf '%s\n' "$why" | head -n 60
+        echo "FAILED $name: $(printf '%s\n' "$why" | tail -n 1)"
+    fi
+}
+
+have() {
+    command -v "$1" >/dev/null 2>&1
+}
+
+# ---- The header ---------------------------------------------------------------------------------------
+
+# The header alone, then twice, by compiler $1 in language $2 and standard $3.
+header_compiles() {
+    extension=c
+    [ "$2" = c++ ] && extension=cpp
+    printf '#include "htree.h"\n#include "htree.h"\nint main(void) { return (int)htree_version() == 0; }\n' \
+        >"$work/header.$extension"
+    # shellcheck disable=SC2086
+    $1 -x "$2" "-std=$3" -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror $4 -Iinclude -fsyntax-only \
+        "$work/header.$extension"
+}
+
+# Whether compiler $1 knows standard $3 of language $2.
+knows() {
+    # shellcheck disable=SC2086
+    echo 'int main(void) { return 0; }' | $1 -x "$2" "-std=$3" -fsyntax-only - 2>/dev/null
+}
+
+check_headers() {
+    for compiler in "$CC" gcc clang; do
+        have "${compiler%% *}" || continue
+        for standard in c99 c11 c17; do
+            knows "$compiler" c $standard || continue
+            rule "header-${compiler%% *}-$standard" header_compiles "$compiler" c $standard \
+                '-Wmissing-prototypes -Wc++-compat'
+        done
+    done
+    for compiler in g++ clang++; do
+        have $compiler || continue
+        for standard in c++98 c++11 c++14 c++17 c++20; do
+            knows $compiler c++ $standard || continue
+            # C++98 knows long long as an extension only; the header's uint64_t may be one.
+            rule "header-$compiler-$standard" header_compiles $compiler c++ $standard -Wno-long-long
+        done
+    done
+}
+
+# ---- The ABI ------------------------------------------------------------------------------------------
+
+exported() {
+    nm -D --defined-only "$shared" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
+}
+
+only_htree_is_exported() {
+    strangers=$(exported | grep -v '^htree_')
+    [ -z "$strangers" ] || { echo "$shared exports" $strangers; return 1; }
+}
+
+# Prints the lines of abi.txt again, with the numbers of this compiler.
+abi_now() {
+    {
+        cat <<'C'
+#include "htree.h"
+#include <stddef.h>
+#include <stdio.h>
+#define SIZE(type) printf("size %s %lu\n", #type, (unsigned long)sizeof(type));
+#define FIELD(type, field) \
+    printf("field %s.%s %lu %lu\n", #type, #field, (unsigned long)offsetof(type, field), \
+           (unsigned long)sizeof(((type *)0)->field));
+#define CONSTANT(name) printf("constant %s %.20g\n", #name, (double)(name));
+int main(void) {
+C
+        awk '$1 == "size" { print "SIZE(" $2 ")" }
+            $1 == "field" { split($2, part, "."); print "FIELD(" part[1] ", " part[2] ")" }
+            $1 == "constant" { print "CONSTANT(" $2 ")" }' tests/abi.txt
+        echo 'return 0; }'
+    } >"$work/abi.c"
+    # shellcheck disable=SC2086
+    $CC -std=c99 -Iinclude -o "$work/abi" "$work/abi.c" || return 1
+    grep '^#' tests/abi.txt
+    "$work/abi"
+    exported | sed 's/^/symbol /'
+}
+
+abi_is_as_committed() {
+    abi_now >"$work/abi.now" || return 1
+    diff -u tests/abi.txt "$work/abi.now" ||
+        { echo "the ABI differs from tests/abi.txt; if that is meant: sh tests/house.sh --abi"; return 1; }
+}
+
+# Every field of every public struct, and every constant, has a line in abi.txt.
+abi_is_complete() {
+    awk '
+        /^typedef struct [a-z_]+ \{/ { type = $3; next }
+        /^}/ { type = "" }
+        /^enum \{/ { listing = 1; next }
+        /^};/ { listing = 0 }
+        type != "" && /;/ {
+            line = $0
+            sub(/\/\*.*/, "", line)
+            if (line ~ /\(\*/) { sub(/^[^(]*\(\*/, "", line); sub(/\).*/, "", line); print "field", type "." line; next }
+            sub(/;.*/, "", line)
+            sub(/^ *(const )?[a-z_0-9]+ /, "", line)
+            n = split(line, names, ",")
+            for (i = 1; i <= n; ++i) {
+                gsub(/[ *]|\[[0-9]*\]/, "", names[i])
+                print "field", type "." names[i]
+            }
+        }
+        listing && /^ *HTREE_[A-Z_0-9]+ =/ { print "constant", $1 }
+        /^#define HTREE_[A-Z_]+ +[0-9U]/ { print "constant", $2 }
+    ' include/htree.h >"$work/wanted"
+    [ -s "$work/wanted" ] || { echo "cannot read include/htree.h"; return 1; }
+    missing=$(while read -r what name; do
+        grep -q "^$what $name " tests/abi.txt || echo "$what $name"
+    done <"$work/wanted")
+    [ -z "$missing" ] || { echo "tests/abi.txt lacks:" $missing; return 1; }
+}
+
+# ---- The library --------------------------------------------------------------------------------------
+
+# Printing, ending the process and what keeps global state. vsnprintf writes to memory and is fine.
+nothing_exits_or_prints() {
+    found=$(nm -D --undefined-only "$shared" | awk '{ sub(/@.*/, "", $2); print $2 }' |
+        grep -xE 'abort|_?_?exit|_Exit|quick_exit|atexit|v?f?printf|__v?f?printf_chk|puts|fputs|putchar|fwrite|perror|fopen|getenv|srand|rand|signal|setlocale|__assert_fail')
+    [ -z "$found" ] || { echo "$shared calls" $found; return 1; }
+}
+
+needs_libc_only() {
+    needed=$(readelf -d "$shared" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' |
+        grep -vE '^(libc|libm|libpthread|ld-linux[a-z0-9-]*)\.so')
+    [ -z "$needed" ] || { echo "$shared needs" $needed; return 1; }
+}
+
+# Symbols of objects in sections that stay writable; tables of pointers in .data.rel.ro do not, and
+# thread-local variables have sections of their own.
+no_writable_globals() {
+    found=$(objdump -t "$static" | awk '
+        / O / { for (i = 1; i <= NF; ++i) if ($i ~ /^(\.data|\.bss|\*COM\*)/ && $i !~ /^\.data\.rel\.ro/) print $NF }')
+    [ -z "$found" ] || { echo "$static has writable globals:" $found; return 1; }
+}
+
+# ---- The sources --------------------------------------------------------------------------------------
+
+sources() {
+    find include lib tests examples bindings cl Makefile -type f \( -name '*.[ch]' -o -name '*.sh' -o -name '*.cl' \
+        -o -name '*.txt' -o -name '*.map' -o -name Makefile \) 2>/dev/null | grep -v '/out/'
+}
+
+sources_are_ascii() {
+    # shellcheck disable=SC2046
+    found=$(LC_ALL=C grep -ln '[^ -~	]' $(sources))
+    [ -z "$found" ] || { echo "bytes that are not ASCII in" $found; return 1; }
+}
+
+no_marks_of_unfinished_work() {
+    # shellcheck disable=SC2046
+    found=$(grep -nE '\b(TO[D]O|FIX[M]E|XX[X]|HAC[K])\b' $(sources) README.md lib/README.md 2>/dev/null)
+    [ -z "$found" ] || { echo "$found"; return 1; }
+}
+
+files_are_short() {
+    long=$(for file in $(sources); do
+        lines=$(wc -l <"$file")
+        [ "$lines" -lt 600 ] || echo "$file has $lines lines"
+    done)
+    [ -z "$long" ] || { echo "$long"; return 1; }
+}
+
+readme_shows_minimal_c() {
+    [ -f README.md ] || { echo "no README.md"; return 1; }
+    awk '/^```c$/ { inside = 1; next } /^```$/ { if (inside) exit } inside' README.md >"$work/readme.c"
+    [ -s "$work/readme.c" ] || { echo "README.md has no block of C"; return 1; }
+    diff -u examples/minimal.c "$work/readme.c" ||
+        { echo "the first block of C in README.md is not examples/minimal.c"; return 1; }
+}
+
+layers_are_kept() {
+    sh tests/layers.sh
+}
+
+library_is_built() {
+    [ -f "$static" ] && [ -f "$shared" ] || { echo "no $shared: make lib"; return 1; }
+}
+
+if [ "${1-}" = --abi ]; then # what tests/abi.txt should say
+    abi_now
+    exit
+fi
+
+rule layers layers_are_kept
+check_headers
+rule library-is-built library_is_built
+if [ -f "$static" ] && [ -f "$shared" ]; then
+    rule only-htree-is-exported only_htree_is_exported
+    rule abi-is-as-committed abi_is_as_committed
+    rule abi-is-complete abi_is_complete
+    rule nothing-exits-or-prints nothing_exits_or_prints
+    rule needs-libc-only needs_libc_only
+    rule no-writable-globals no_writable_globals
+fi
+rule readme-shows-minimal.c readme_shows_minimal_c
+rule sources-are-ascii sources_are_ascii
+rule no-marks-of-unfinished-work no_marks_of_unfinished_work
+rule files-are-short files_are_short
+exit $bad

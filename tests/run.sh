@@ -1,0 +1,95 @@
+#!/bin/sh
+# run.sh CONFIG...: runs every test program of each config (release debug sanitize tsan coverage), two
+# at a time, and the house rules for the word `house`. The last line is `N passed, N failed`.
+#
+# HTREE_TEST_SCALE, if set, replaces the scale of every config; JOBS replaces the number of programs
+# that run at once.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+LIMIT=600 # seconds a program
+
+scale_of() {
+    case $1 in
+    release) echo 1 ;;
+    debug | coverage) echo 0.3 ;;
+    sanitize) echo 0.1 ;;
+    *) echo 0.05 ;;
+    esac
+}
+
+limited() {
+    if command -v timeout >/dev/null; then timeout "$LIMIT" "$@"; else "$@"; fi
+}
+
+# The number of tests that cmocka's summary calls $1 (PASSED or FAILED) in log $2.
+number() {
+    n=$(sed -n "s/^\[  $1  \] \([0-9][0-9]*\) test(s).*/\1/p" "$2" | tail -n 1)
+    echo "${n:-0}"
+}
+
+# Runs program $2 of config $1 and appends `passed failed` to file $3. What it prints comes in one
+# piece, because two of these run at once.
+run_program() {
+    config=$1 name=$(basename "$2") log=$2.log
+    export HTREE_TEST_SCALE="${HTREE_TEST_SCALE:-$(scale_of "$config")}"
+    export ASAN_OPTIONS="${ASAN_OPTIONS:-allocator_may_return_null=1}"
+    export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1}"
+    start=$(date +%s)
+    limited "$2" >"$log" 2>&1
+    code=$?
+    passed=$(number PASSED "$log") failed=$(number FAILED "$log")
+    why=
+    if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then failed=1 why=" (exit status $code)"; fi
+    if [ "$code" -eq 124 ]; then why=" (stopped after $LIMIT s)"; fi
+    if [ $((passed + failed)) -eq 0 ]; then failed=1 why=" (it ran no test)"; fi
+    echo "$passed $failed" >>"$3"
+    text=$(printf '%-16s %-9s %4d s  %3d passed, %d failed%s' "${name#test_}" "$config" \
+        $(($(date +%s) - start)) "$passed" "$failed" "$why")
+    if [ "$failed" -ne 0 ]; then
+        more=$(sed 's/^/    /' "$log")
+    else
+        more=$(sed -n 's/^count: /    /p' "$log")
+    fi
+    printf '%s\n' "$text${more:+
+$more}"
+}
+
+run_house() {
+    log=build/house.log
+    sh tests/house.sh >"$log" 2>&1
+    cat "$log"
+    passed=$(grep -c '^ok ' "$log") failed=$(grep -c '^FAILED ' "$log")
+    if [ $((passed + failed)) -eq 0 ]; then
+        failed=1
+        echo "FAILED house: tests/house.sh checked nothing"
+    fi
+    echo "$passed $failed" >>"$1"
+}
+
+if [ "${1-}" = --program ]; then
+    run_program "$2" "$3" "$4"
+    exit 0
+fi
+
+mkdir -p build
+results=$(mktemp build/results.XXXXXX) || exit 1
+trap 'rm -f "$results"' EXIT
+for config in "$@"; do
+    if [ "$config" = house ]; then
+        run_house "$results"
+        continue
+    fi
+    programs=$(find "build/$config/tests" -maxdepth 1 -type f -name 'test_*' ! -name '*.*' 2>/dev/null | sort)
+    if [ -z "$programs" ]; then
+        echo "FAILED $config: no programs in build/$config/tests: make config=$config tests"
+        echo "0 1" >>"$results"
+        continue
+    fi
+    for program in $programs; do
+        # A program whose source is gone is left over from an earlier build.
+        if [ -f "tests/$(basename "$program").c" ]; then echo "$config $program $results"; fi
+    done | xargs -P "${JOBS:-2}" -n 3 sh tests/run.sh --program
+done
+
+awk '{ passed += $1; failed += $2 }
+    END { printf "%d passed, %d failed\n", passed, failed; exit passed + failed == 0 || failed > 0 }' "$results"

@@ -1,0 +1,387 @@
+/* test_api.c: every public function refuses every bad argument, says why, and leaves nothing
+ * behind. */
+#include "suite.h"
+
+#include <math.h>
+
+static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+static uint64_t refusals;
+
+static htree_mesh good_mesh(void) {
+    htree_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.positions = corners;
+    mesh.vertex_count = 3;
+    mesh.triangle_count = 1;
+    return mesh;
+}
+
+/* Makes the text of the last failure a known one, so that a stale text shows. */
+static void set_text(void) {
+    (void)htree_get_bounds(NULL, NULL);
+}
+
+static void assert_refused(htree_status is, htree_status should) {
+    assert_int_equal(is, should);
+    assert_true(strlen(htree_error_text()) > 5);
+    ++refusals;
+}
+
+static void assert_not_built(const htree_mesh *mesh, const htree_options *options,
+                             htree_status should) {
+    htree *tree = (htree *)(uintptr_t)8;
+    set_text();
+    char before[256];
+    (void)snprintf(before, sizeof before, "%s", htree_error_text());
+    assert_refused(htree_build(&tree, mesh, options), should);
+    assert_null(tree);
+    if (mesh != NULL) assert_string_not_equal(before, htree_error_text());
+}
+
+/* ---- Names, version, text
+ * ------------------------------------------------------------------------ */
+
+static void the_version_is_that_of_the_header(void **state) {
+    (void)state;
+    assert_int_equal(htree_version(),
+                     HTREE_VERSION_MAJOR * 10000 + HTREE_VERSION_MINOR * 100 + HTREE_VERSION_PATCH);
+}
+
+static void every_status_has_a_name_of_its_own(void **state) {
+    (void)state;
+    for (htree_status a = HTREE_OK; a <= HTREE_ERROR_CORRUPT; ++a) {
+        assert_true(strlen(htree_status_name(a)) > 0);
+        for (htree_status b = HTREE_OK; b < a; ++b) {
+            assert_string_not_equal(htree_status_name(a), htree_status_name(b));
+        }
+    }
+    static const htree_status strange[] = {-1, 8, 1000, INT32_MAX, INT32_MIN};
+    for (uint32_t i = 0; i < COUNT_OF(strange); ++i) assert_non_null(htree_status_name(strange[i]));
+}
+
+static void kind_names_go_there_and_back(void **state) {
+    static const char *const names[] = {"ug", "kd", "bvh-median", "bvh-sah", "skd", "h", "ah"};
+    static const char *const strange[] = {"", "H", "h ", " h", "bvh", "bvh_sah", "htree", "\xff"};
+    (void)state;
+    for (htree_kind kind = HTREE_UG; kind <= HTREE_AH; ++kind) {
+        assert_string_equal(htree_kind_name(kind), names[kind - HTREE_UG]);
+        assert_int_equal(htree_kind_from_name(htree_kind_name(kind)), kind);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(strange); ++i)
+        assert_int_equal(htree_kind_from_name(strange[i]), 0);
+    assert_int_equal(htree_kind_from_name(NULL), 0);
+    assert_null(htree_kind_name(0));
+    assert_null(htree_kind_name(HTREE_AH + 1));
+    assert_null(htree_kind_name(-1));
+    assert_null(htree_kind_name(INT32_MIN));
+    assert_null(htree_kind_name(INT32_MAX));
+}
+
+static void success_does_not_touch_the_text(void **state) {
+    const htree_mesh mesh = good_mesh();
+    const htree_kind kind = next_kind(0);
+    (void)state;
+    set_text();
+    char before[256];
+    (void)snprintf(before, sizeof before, "%s", htree_error_text());
+    htree_free(tree_of_kind(&mesh, kind));
+    assert_string_equal(before, htree_error_text());
+}
+
+/* ---- Options
+ * ------------------------------------------------------------------------------------- */
+
+static void options_init_refuses_bad_arguments(void **state) {
+    static const htree_kind strange[] = {0, -1, HTREE_AH + 1, INT32_MAX, INT32_MIN};
+    htree_options options;
+    (void)state;
+    assert_refused(htree_options_init(NULL, sizeof options, HTREE_H), HTREE_ERROR_ARGUMENT);
+    for (uint64_t size = 0; size < sizeof options; ++size) {
+        memset(&options, 0x5a, sizeof options);
+        assert_refused(htree_options_init(&options, size, HTREE_H), HTREE_ERROR_ARGUMENT);
+        for (uint64_t i = 0; i < sizeof options; ++i)
+            assert_int_equal(((const char *)&options)[i], 0x5a);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(strange); ++i) {
+        assert_refused(htree_options_init(&options, sizeof options, strange[i]),
+                       HTREE_ERROR_ARGUMENT);
+    }
+    assert_refused(htree_options_init(&options, UINT64_MAX, HTREE_H), HTREE_ERROR_ARGUMENT);
+}
+
+static void options_init_writes_every_default(void **state) {
+    (void)state;
+    for (htree_kind kind = HTREE_UG; kind <= HTREE_AH; ++kind) {
+        htree_options a, b;
+        memset(&a, 0x00, sizeof a);
+        memset(&b, 0xff, sizeof b);
+        assert_int_equal(htree_options_init(&a, sizeof a, kind), HTREE_OK);
+        assert_int_equal(htree_options_init(&b, sizeof b, kind), HTREE_OK);
+        assert_memory_equal(&a, &b, sizeof a);
+        assert_int_equal(a.size, sizeof a);
+        assert_int_equal(a.kind, kind);
+        assert_int_equal(a.flags, 0);
+        assert_null((void *)(uintptr_t)a.allocator.allocate);
+        assert_null((void *)(uintptr_t)a.tasks.run);
+        assert_null((void *)(uintptr_t)a.progress.report);
+    }
+}
+
+/* A program built against a later header has a longer struct: fine while the new part is zero. */
+static void build_takes_longer_options_with_a_zero_tail_only(void **state) {
+    enum { LONGER = 64 };
+    union {
+        htree_options options;
+        unsigned char bytes[sizeof(htree_options) + LONGER];
+    } u;
+    const htree_mesh mesh = good_mesh();
+    (void)state;
+    for (uint32_t extra = 0; extra <= LONGER; extra += 4) {
+        htree *tree = NULL;
+        memset(&u, 0, sizeof u);
+        u.options = options_of(next_kind(0));
+        u.options.size = (uint32_t)sizeof u.options + extra;
+        assert_int_equal(htree_build(&tree, &mesh, &u.options), HTREE_OK);
+        htree_free(tree);
+        if (extra == 0) continue;
+        u.bytes[sizeof u.options + extra - 1] = 1;
+        assert_not_built(&mesh, &u.options, HTREE_ERROR_ARGUMENT);
+    }
+    for (uint32_t size = 0; size < sizeof u.options; ++size) {
+        u.options = options_of(next_kind(0));
+        u.options.size = size;
+        assert_not_built(&mesh, &u.options, HTREE_ERROR_ARGUMENT);
+    }
+}
+
+static void *refuse_all(void *user, uint64_t bytes, uint64_t alignment) {
+    (void)user;
+    (void)bytes;
+    (void)alignment;
+    return NULL;
+}
+
+static void release_none(void *user, void *memory, uint64_t bytes) {
+    (void)user;
+    (void)memory;
+    (void)bytes;
+}
+
+static void build_refuses_bad_numbers_in_options(void **state) {
+    static const uint32_t buckets[] = {0, 1, 65, 1000, UINT32_MAX};
+    static const uint32_t axes[] = {0, 2, 4, UINT32_MAX};
+    static const htree_kind kinds[] = {0, -1, HTREE_AH + 1, INT32_MAX, INT32_MIN};
+    const htree_mesh mesh = good_mesh();
+    const htree_options good = options_of(next_kind(0));
+    (void)state;
+    for (uint32_t i = 0; i < COUNT_OF(buckets); ++i) {
+        htree_options bad = good;
+        bad.buckets = buckets[i];
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(axes); ++i) {
+        htree_options bad = good;
+        bad.axes = axes[i];
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(kinds); ++i) {
+        htree_options bad = good;
+        bad.kind = kinds[i];
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+    for (uint32_t bit = 1; bit < 32; ++bit) {
+        htree_options bad = good;
+        bad.flags = 1u << bit;
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+        bad.flags |= HTREE_STRICT;
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+}
+
+static void build_refuses_bad_costs(void **state) {
+    static const float costs[] = {NAN, -NAN, -1, -0.5f, INFINITY, -INFINITY};
+    const htree_mesh mesh = good_mesh();
+    (void)state;
+    for (uint32_t i = 0; i < 4 * COUNT_OF(costs); ++i) {
+        htree_options bad = options_of(next_kind(0));
+        float *const field[4] = {&bad.cost_skd, &bad.cost_bv2, &bad.cost_bv6, &bad.cost_intersect};
+        *field[i % 4] = costs[i / 4];
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+}
+
+static void build_refuses_half_an_allocator(void **state) {
+    const htree_mesh mesh = good_mesh();
+    htree_options bad = options_of(next_kind(0));
+    (void)state;
+    bad.allocator.allocate = refuse_all;
+    assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    bad.allocator.allocate = NULL;
+    bad.allocator.release = release_none;
+    assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    bad.allocator.allocate = refuse_all;
+    assert_not_built(&mesh, &bad, HTREE_ERROR_MEMORY);
+}
+
+/* ---- Mesh
+ * ---------------------------------------------------------------------------------------- */
+
+static void build_refuses_null_and_unknown_kinds(void **state) {
+    const htree_mesh mesh = good_mesh();
+    htree_options options = options_of(HTREE_H);
+    (void)state;
+    set_text();
+    assert_refused(htree_build(NULL, &mesh, &options), HTREE_ERROR_ARGUMENT);
+    assert_not_built(NULL, &options, HTREE_ERROR_ARGUMENT);
+    for (htree_kind kind = HTREE_UG; kind <= HTREE_AH; ++kind) {
+        htree_kind here = 0;
+        do here = next_kind(here);
+        while (here != 0 && here != kind);
+        if (here == kind) continue;
+        options.kind = kind;
+        assert_not_built(&mesh, &options, HTREE_ERROR_UNSUPPORTED);
+    }
+}
+
+static void build_refuses_bad_strides(void **state) {
+    static const uint64_t strides[] = {1, 2, 3, 4, 8, 11, 13, 14, 15, 17, 18, 1001};
+    static const uint64_t fine[] = {0, 12, 16, 20, 1000};
+    (void)state;
+    for (uint32_t i = 0; i < COUNT_OF(strides); ++i) {
+        htree_mesh mesh = good_mesh();
+        mesh.position_stride = strides[i];
+        assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+        mesh.vertex_count = mesh.triangle_count = 0;
+        assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(fine); ++i) {
+        static float wide[1000];
+        htree_mesh mesh = good_mesh();
+        mesh.positions = wide;
+        mesh.position_stride = fine[i];
+        htree_free(tree_of(&mesh, NULL));
+    }
+}
+
+static void build_refuses_bad_pointers_and_reserved_words(void **state) {
+    htree_mesh mesh = good_mesh();
+    (void)state;
+    mesh.positions = NULL;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    for (uint32_t i = 0; i < 2; ++i) {
+        mesh = good_mesh();
+        mesh.reserved[i] = 1;
+        assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+        mesh.reserved[i] = (uint64_t)1 << 63;
+        assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    }
+}
+
+static void build_refuses_indices_outside_the_vertices(void **state) {
+    static const uint32_t wrong[] = {3, 4, 0x7fffffff, 0x80000000u, UINT32_MAX};
+    uint32_t indices[3];
+    (void)state;
+    for (uint32_t i = 0; i < 3 * COUNT_OF(wrong); ++i) {
+        htree_mesh mesh = good_mesh();
+        mesh.indices = indices;
+        indices[0] = indices[1] = indices[2] = 0;
+        indices[i % 3] = wrong[i / 3];
+        assert_not_built(&mesh, NULL, HTREE_ERROR_GEOMETRY);
+    }
+    htree_mesh mesh = good_mesh();
+    mesh.vertex_count = 2; /* three vertices a triangle without indices */
+    assert_not_built(&mesh, NULL, HTREE_ERROR_GEOMETRY);
+    mesh.vertex_count = 0;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_GEOMETRY);
+}
+
+static int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
+    (void)user;
+    (void)object;
+    (void)ray;
+    (void)hit;
+    return 0;
+}
+
+static void assert_counts_refused(uint64_t triangles, uint64_t objects, bool indexed) {
+    static const uint32_t indices[3] = {0, 1, 2};
+    const htree_box box = {{0, 0, 0}, {1, 1, 1}};
+    const htree_objects some = {&box, objects, never_hit, NULL};
+    htree_mesh mesh = good_mesh();
+    mesh.triangle_count = triangles;
+    if (indexed)
+        mesh.indices = indices;
+    else
+        mesh.vertex_count = UINT64_MAX / 12;
+    mesh.objects = &some;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_LIMIT);
+}
+
+static void build_refuses_counts_beyond_the_limit_before_it_reads(void **state) {
+    static const uint64_t counts[] = {
+        UINT32_MAX,         (uint64_t)UINT32_MAX + 1, (uint64_t)1 << 40,
+        UINT64_MAX / 3 - 1, UINT64_MAX / 3 + 1,       UINT64_MAX / 12 + 1,
+        UINT64_MAX / 36,    UINT64_MAX / 36 + 1,      UINT64_MAX};
+    (void)state;
+    for (uint32_t i = 0; i < COUNT_OF(counts); ++i) {
+        assert_counts_refused(counts[i], 0, true);
+        assert_counts_refused(counts[i], 0, false);
+        assert_counts_refused(1, counts[i], true);
+        assert_counts_refused(counts[i], counts[i], true);
+        assert_counts_refused(counts[i], UINT64_MAX - counts[i] + 2, true);
+    }
+}
+
+static void build_refuses_bad_objects(void **state) {
+    const htree_box box = {{0, 0, 0}, {1, 1, 1}};
+    htree_objects objects = {NULL, 1, never_hit, NULL};
+    htree_mesh mesh = good_mesh();
+    (void)state;
+    mesh.objects = &objects;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    objects.boxes = &box;
+    objects.intersect = NULL;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    objects.intersect = never_hit;
+    htree_free(tree_of(&mesh, NULL));
+    memset(&objects, 0, sizeof objects);
+    htree_free(tree_of(&mesh, NULL));
+}
+
+static void an_empty_mesh_may_have_no_arrays(void **state) {
+    htree_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    (void)state;
+    htree *const tree = tree_of(&mesh, NULL);
+    const htree_ray ray = {{0, 0, 0}, 0, {0, 0, 1}, 1};
+    htree_hit hit;
+    assert_int_equal(htree_intersect(tree, &ray, 1, &hit, NULL), HTREE_OK);
+    assert_int_equal(hit.prim, HTREE_NONE);
+    htree_free(tree);
+    htree_free(NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_version_is_that_of_the_header),
+        cmocka_unit_test(every_status_has_a_name_of_its_own),
+        cmocka_unit_test(kind_names_go_there_and_back),
+        cmocka_unit_test(success_does_not_touch_the_text),
+        cmocka_unit_test(options_init_refuses_bad_arguments),
+        cmocka_unit_test(options_init_writes_every_default),
+        cmocka_unit_test(build_takes_longer_options_with_a_zero_tail_only),
+        cmocka_unit_test(build_refuses_bad_numbers_in_options),
+        cmocka_unit_test(build_refuses_bad_costs),
+        cmocka_unit_test(build_refuses_half_an_allocator),
+        cmocka_unit_test(build_refuses_null_and_unknown_kinds),
+        cmocka_unit_test(build_refuses_bad_strides),
+        cmocka_unit_test(build_refuses_bad_pointers_and_reserved_words),
+        cmocka_unit_test(build_refuses_indices_outside_the_vertices),
+        cmocka_unit_test(build_refuses_counts_beyond_the_limit_before_it_reads),
+        cmocka_unit_test(build_refuses_bad_objects),
+        cmocka_unit_test(an_empty_mesh_may_have_no_arrays),
+    };
+    const int failed = cmocka_run_group_tests_name("api", tests, NULL, NULL);
+    say("%llu bad calls refused", (unsigned long long)refusals);
+    return failed;
+}
