@@ -49,7 +49,7 @@ typedef struct stage {
 static void stage_begin(stage *g, const scenario *c, htree_kind kind) {
     dice d = {3};
     memset(g, 0, sizeof *g);
-    g->s = shape_of(c->shape, c->triangles, 1);
+    g->s = shape_of(c->shape, scaled(100) < 20 ? 1 + c->triangles / 5 : c->triangles, 1);
     g->mesh = mesh_of(&g->s);
     const ray_target target = ray_target_of(&g->mesh);
     for (uint32_t i = 0; i < COUNT_OF(g->boxes); ++i) {

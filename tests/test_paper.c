@@ -154,12 +154,31 @@ static void an_h_tree_takes_fewer_steps_than_a_bvh(void **state) {
     compare_h_with_bvh("knot");
 }
 
+/* Of 12000 objects a ray meets a few; a pure SKD tree, which bounds nothing, meets tens. */
+static void no_tree_tests_many_objects_a_ray(void **state) {
+    (void)state;
+    shape s = shape_of("knot", 12000, 1);
+    const htree_mesh mesh = mesh_of(&s);
+    const ray_target target = ray_target_of(&mesh);
+    for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
+        htree *const tree = tree_of_kind(&mesh, kind);
+        const work w = measure(tree, &target);
+        say("%s, %llu triangles: %.2f steps, %.2f tests a ray", htree_kind_name(kind),
+            (unsigned long long)s.triangle_count, w.steps, w.tests);
+        assert_true(w.tests < (kind == HTREE_SKD || kind == HTREE_UG ? 100 : 10));
+        assert_true(w.steps < 200);
+        htree_free(tree);
+    }
+    shape_free(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_bvh_has_one_object_a_leaf_and_2n_minus_1_nodes),
         cmocka_unit_test(an_h_tree_has_one_object_a_leaf_and_nine_node_types),
         cmocka_unit_test(an_h_tree_has_six_planes_at_the_root_and_two_below),
         cmocka_unit_test(an_h_tree_takes_fewer_steps_than_a_bvh),
+        cmocka_unit_test(no_tree_tests_many_objects_a_ray),
     };
     return cmocka_run_group_tests_name("paper", tests, NULL, NULL);
 }

@@ -11,6 +11,7 @@ static const struct {
     htree_kind kind;
     ht_build *build;
 } builders[] = {
+    {HTREE_UG, ht_build_ug},
     {HTREE_KD, ht_build_kd},
     {HTREE_BVH_MEDIAN, ht_build_bvh_median},
     {HTREE_BVH_SAH, ht_build_bvh_sah},
@@ -31,8 +32,7 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* ---- The mesh ----------------------------------------------------------------------------------
- */
+/* ---- The mesh ----------------------------------------------------------------------------- */
 
 static htree_status verify_mesh(const htree_mesh *mesh) {
     const uint64_t stride = mesh->position_stride;
@@ -155,8 +155,7 @@ static htree_status add_objects(ht_builder *builder, const htree_mesh *mesh) {
     return HTREE_OK;
 }
 
-/* ---- The tree ----------------------------------------------------------------------------------
- */
+/* ---- The tree ----------------------------------------------------------------------------- */
 
 static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
     ht_memory memory = {options->allocator, 0, 0};

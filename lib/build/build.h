@@ -29,6 +29,7 @@ typedef struct ht_builder {
 typedef htree_status ht_build(ht_builder *builder);
 
 /* One function per kind: the rows of the table in build.c. */
+ht_build ht_build_ug;                           /* ug.c */
 ht_build ht_build_kd;                           /* kd.c */
 ht_build ht_build_bvh_median, ht_build_bvh_sah; /* bvh.c */
 ht_build ht_build_skd, ht_build_h;              /* h.c */

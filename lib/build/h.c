@@ -16,7 +16,7 @@ typedef struct h_build {
     uint32_t deepest; /* levels of branching below the root */
 } h_build;
 
-/* ---- Nodes in chunks ------------------------------------------------------------------------- */
+/* ---- Nodes in chunks ---------------------------------------------------------------------- */
 
 static htree_status chunk_begin(h_build *build) {
     assert(build->chunk_count < build->chunk_capacity);
@@ -75,8 +75,7 @@ static htree_status emit_leaf(h_build *build, uint32_t prim) {
     return HTREE_OK;
 }
 
-/* ---- Choice of the node type ------------------------------------------------------------------
- */
+/* ---- Choice of the node type -------------------------------------------------------------- */
 
 /* Writes a bounding node before the SKD node of `split` if that is the cheapest of eqs. 2, 3, 4,
  * and narrows *traversal by it. tight is B^E, the box of the objects. */
@@ -132,8 +131,7 @@ static htree_status subtree(h_build *build, uint32_t first, uint32_t count, cons
                    ht_cut_below(&traversal, axis, split.right.lo[axis]), level + 1);
 }
 
-/* ---- The tree ----------------------------------------------------------------------------------
- */
+/* ---- The tree ----------------------------------------------------------------------------- */
 
 /* Moves the chunks into the tree's one array: slots stay as they are. */
 static htree_status collect(h_build *build) {

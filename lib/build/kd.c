@@ -37,7 +37,7 @@ static const double REFERENCE_BUDGET = 40;
 
 enum { SIDE_BOTH = 0, SIDE_LEFT = 1, SIDE_RIGHT = 2 };
 
-/* ---- The plane ---------------------------------------------------------------------------------- */
+/* ---- The plane ---------------------------------------------------------------------------- */
 
 static float clamp(float x, float lo, float hi) {
     return ht_max(lo, ht_min(hi, x));
@@ -101,7 +101,7 @@ static kd_plane find_plane(const kd_build *build, const kd_lists *lists, const h
     return best;
 }
 
-/* ---- The split ---------------------------------------------------------------------------------- */
+/* ---- The split ---------------------------------------------------------------------------- */
 
 static void classify(const kd_build *build, const kd_lists *lists, const kd_plane *plane,
                      uint32_t *left, uint32_t *right) {
@@ -164,7 +164,7 @@ static htree_status split_lists(kd_build *build, const kd_plane *plane, kd_lists
     return HTREE_OK;
 }
 
-/* ---- The tree ----------------------------------------------------------------------------------- */
+/* ---- The tree ----------------------------------------------------------------------------- */
 
 static htree_status emit_leaf(kd_build *build, uint32_t slot, const kd_lists *lists) {
     const uint64_t first = build->refs.count;

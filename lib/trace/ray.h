@@ -33,6 +33,7 @@ typedef struct ht_ray {
     float entry[3]; /* org moved forward: where entry planes are measured from */
     float exit[3];  /* org moved back: where exit planes are measured from */
     uint32_t negative[3];
+    float reach;       /* D: the largest distance along an axis from org to the bounds */
     float tmin;        /* the caller's: where hits begin to count */
     float tnear, tfar; /* the part of [tmin, tmax] inside the bounds */
     ht_shear shear;
@@ -80,6 +81,7 @@ HT_INLINE bool ht_ray_init(ht_ray *r, const htree_ray *ray, const htree_box *bou
         r->entry[i] = negative ? ray->org[i] - pad : ray->org[i] + pad;
         r->exit[i] = negative ? ray->org[i] + pad : ray->org[i] - pad;
     }
+    r->reach = reach;
     r->tmin = ray->tmin;
     r->tnear = ray->tmin;
     r->tfar = ray->tmax;

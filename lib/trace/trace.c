@@ -7,9 +7,8 @@ static const struct {
     htree_kind kind;
     const ht_walks *walks;
 } walkers[] = {
-    {HTREE_KD, &ht_kd_walks},       {HTREE_BVH_MEDIAN, &ht_bvh_walks},
-    {HTREE_BVH_SAH, &ht_bvh_walks}, {HTREE_SKD, &ht_h_walks},
-    {HTREE_H, &ht_h_walks},
+    {HTREE_UG, &ht_ug_walks},       {HTREE_KD, &ht_kd_walks}, {HTREE_BVH_MEDIAN, &ht_bvh_walks},
+    {HTREE_BVH_SAH, &ht_bvh_walks}, {HTREE_SKD, &ht_h_walks}, {HTREE_H, &ht_h_walks},
 };
 
 static const ht_walks *find_walks(htree_kind kind) {
@@ -26,8 +25,7 @@ bool ht_intersect_object(const htree *tree, uint32_t prim, const htree_ray *ray,
            hit->t <= ray->tmax && hit->u == hit->u && hit->v == hit->v;
 }
 
-/* ---- One ray ------------------------------------------------------------------------------------
- */
+/* ---- One ray ------------------------------------------------------------------------------ */
 
 HT_INLINE void trace_ray(const htree *tree, ht_walk *walk, const htree_ray *ray, htree_hit *hit,
                          htree_counters *counters) {
@@ -38,8 +36,7 @@ HT_INLINE void trace_ray(const htree *tree, ht_walk *walk, const htree_ray *ray,
     walk(tree, ray, &r, hit, counters);
 }
 
-/* ---- A batch ------------------------------------------------------------------------------------
- */
+/* ---- A batch ------------------------------------------------------------------------------ */
 
 enum { BLOCK = 512 }; /* rays a task: long against the cost of claiming it, short against a frame */
 

@@ -17,6 +17,7 @@ typedef struct ht_walks {
     ht_walk *closest, *any, *closest_counted, *any_counted;
 } ht_walks;
 
+extern const ht_walks ht_ug_walks;  /* ug.c */
 extern const ht_walks ht_kd_walks;  /* kd.c */
 extern const ht_walks ht_bvh_walks; /* bvh.c */
 extern const ht_walks ht_h_walks;   /* h.c */

@@ -15,8 +15,7 @@ typedef uint ht_word;
 /* Levels of branching that builders stay within and that traversal stacks are made for. */
 #define HT_MAX_DEPTH 96
 
-/* ---- BVH: 32 bytes a node, children are neighbours --------------------------------------------
- */
+/* ---- BVH: 32 bytes a node, children are neighbours ---------------------------------------- */
 
 #define HT_BVH_LEAF 3u
 
@@ -58,7 +57,7 @@ typedef struct ht_h_bv6 {
     ht_word unused;
 } ht_h_bv6;
 
-/* ---- kd-tree: 8 bytes a node, depth first ------------------------------------------------------------ */
+/* ---- kd-tree: 8 bytes a node, depth first ------------------------------------------------- */
 
 /* Interior: plane, and tag = slot of the right child << 2 | axis; the left child is the next slot.
  * Leaf: plane holds the bits of the index of its first reference, tag = references << 2 | HT_KD_LEAF. */
@@ -70,7 +69,7 @@ typedef struct ht_kd_node {
     ht_word tag;
 } ht_kd_node;
 
-/* ---- Uniform grid: a slot per cell, x fastest -------------------------------------------------------- */
+/* ---- Uniform grid: a slot per cell, x fastest --------------------------------------------- */
 
 /* The references of cell i are refs[node i .. node i + 1); one more node than cells. */
 typedef ht_word ht_ug_node;

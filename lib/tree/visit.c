@@ -1,7 +1,6 @@
 #include "visit.h"
 
-/* ---- How each kind reads its nodes --------------------------------------------------------------
- */
+/* ---- How each kind reads its nodes -------------------------------------------------------- */
 
 static void add_child(ht_node_view *view, const ht_place *parent, uint32_t slot,
                       const htree_box *box) {
@@ -117,8 +116,7 @@ ht_place ht_root_place(const htree *tree) {
     return root;
 }
 
-/* ---- All nodes ----------------------------------------------------------------------------------
- */
+/* ---- All nodes ---------------------------------------------------------------------------- */
 
 /* Depth first by recursion, which the check of `branches` bounds: chains of bounding and link nodes
  * are followed in the loop. */
@@ -143,8 +141,36 @@ static htree_status visit_below(const htree *tree, const ht_place *top, uint64_t
     }
 }
 
+/* The cells of a grid are leaves side by side. */
+static htree_status visit_cells(const htree *tree, ht_see_node *see, void *data) {
+    const ht_ug_node *starts = (const ht_ug_node *)tree->nodes;
+    const ht_ug_grid *grid = &tree->grid;
+    for (uint32_t cell = 0; cell + 1 < tree->node_slots; ++cell) {
+        const uint32_t at[3] = {cell % grid->cells[0], cell / grid->cells[0] % grid->cells[1],
+                                cell / grid->cells[0] / grid->cells[1]};
+        ht_place place = {cell, 1, 0, {{0, 0, 0}, {0, 0, 0}}};
+        for (int i = 0; i < 3; ++i) {
+            /* Boxes enter cells with the margin by which the grid is larger than the bounds. */
+            const float slack = 4 * (tree->bounds.lo[i] - grid->lo[i]);
+            place.box.lo[i] = grid->lo[i] + (float)at[i] * grid->size[i] - slack;
+            place.box.hi[i] = grid->lo[i] + (float)(at[i] + 1) * grid->size[i] + slack;
+        }
+        if (starts[cell] > starts[cell + 1] || starts[cell + 1] > tree->ref_count) {
+            return ht_fail(HTREE_ERROR_CORRUPT, "cell %lu has no range of references",
+                           (unsigned long)cell);
+        }
+        ht_node_view view;
+        memset(&view, 0, sizeof view);
+        view.slots = 1;
+        view_leaf(&view, tree->refs + starts[cell], starts[cell + 1] - starts[cell]);
+        HT_TRY(see(data, &place, &view));
+    }
+    return HTREE_OK;
+}
+
 htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data) {
     if (tree->prim_count == 0) return HTREE_OK;
+    if (tree->kind == HTREE_UG) return visit_cells(tree, see, data);
     const ht_place root = ht_root_place(tree);
     uint64_t budget = tree->node_slots;
     return visit_below(tree, &root, &budget, see, data);
