@@ -172,14 +172,18 @@ HTREE_API htree_kind htree_kind_from_name(const char *name);
 
 /* Flags of htree_options. */
 enum {
-    HTREE_STRICT = 1 /* refuse NaN, infinite and oversize coordinates instead of skipping them */
+    HTREE_STRICT = 1, /* refuse NaN, infinite and oversize coordinates instead of skipping them */
+    HTREE_ANY_PLANES =
+        2, /* H, AH: bounding nodes of any of the 63 sets of planes, not BV2 and BV6 only */
+    HTREE_LOOSE_PLANES =
+        4 /* AH: keep the planes that the grid gives, half a cell wide, as in the paper */
 };
 
 /* How to build. htree_options_init writes every default; change what you need after it. */
 typedef struct htree_options {
     uint32_t size; /* sizeof(htree_options), written by htree_options_init */
     htree_kind kind;
-    uint32_t flags; /* HTREE_STRICT */
+    uint32_t flags; /* HTREE_STRICT, ... */
     uint32_t
         threads; /* for the build and for queries: 0 all cores, 1 the caller's only, n at most n */
 
@@ -191,6 +195,11 @@ typedef struct htree_options {
     float cost_bv2;       /* C_2PN^T, clipping by two planes (eq. 3) */
     float cost_bv6;       /* C_6PN^T, clipping by six planes (eq. 4) */
     float cost_intersect; /* C_IT, one ray-object test */
+
+    float
+        cells_per_prim; /* AH: cells of a grid for each object, 1/64 to 64; c^3 of M = c N^(1/3) */
+    uint32_t
+        few_prims; /* AH: ranges of cells with no more objects are built as an H-tree, 1 to 2^20 */
 
     htree_allocator allocator;
     htree_tasks tasks;
@@ -272,6 +281,8 @@ typedef struct htree_stats {
     uint64_t leaves;     /* N_E */
     uint64_t references; /* N_ER, references from leaves to triangles and objects */
     uint64_t skd_nodes, bv2_nodes, bv6_nodes, link_nodes; /* by type, H-tree and its kin */
+    uint64_t bvo_nodes;     /* bounding nodes with another set of planes */
+    uint64_t ternary_nodes; /* SKD nodes with a shelf of oversize objects */
 
     uint32_t depth;       /* nodes on the longest way from the root to a leaf */
     uint32_t stack;       /* entries that a traversal stack can need at most */

@@ -189,8 +189,10 @@ static void build_refuses_bad_numbers_in_options(void **state) {
         bad.kind = kinds[i];
         assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
     }
-    for (uint32_t bit = 1; bit < 32; ++bit) {
+    const uint32_t known = HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES;
+    for (uint32_t bit = 0; bit < 32; ++bit) {
         htree_options bad = good;
+        if ((known >> bit & 1) != 0) continue;
         bad.flags = 1u << bit;
         assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
         bad.flags |= HTREE_STRICT;
@@ -206,6 +208,23 @@ static void build_refuses_bad_costs(void **state) {
         htree_options bad = options_of(next_kind(0));
         float *const field[4] = {&bad.cost_skd, &bad.cost_bv2, &bad.cost_bv6, &bad.cost_intersect};
         *field[i % 4] = costs[i / 4];
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+}
+
+static void build_refuses_bad_grids(void **state) {
+    static const float cells[] = {NAN, 0, -1, INFINITY, 1.0f / 65, 65, 1e30f};
+    static const uint32_t few[] = {0, (1u << 20) + 1, UINT32_MAX};
+    const htree_mesh mesh = good_mesh();
+    (void)state;
+    for (uint32_t i = 0; i < COUNT_OF(cells); ++i) {
+        htree_options bad = options_of(next_kind(0));
+        bad.cells_per_prim = cells[i];
+        assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
+    }
+    for (uint32_t i = 0; i < COUNT_OF(few); ++i) {
+        htree_options bad = options_of(next_kind(0));
+        bad.few_prims = few[i];
         assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
     }
 }
@@ -372,6 +391,7 @@ int main(void) {
         cmocka_unit_test(build_takes_longer_options_with_a_zero_tail_only),
         cmocka_unit_test(build_refuses_bad_numbers_in_options),
         cmocka_unit_test(build_refuses_bad_costs),
+        cmocka_unit_test(build_refuses_bad_grids),
         cmocka_unit_test(build_refuses_half_an_allocator),
         cmocka_unit_test(build_refuses_null_and_unknown_kinds),
         cmocka_unit_test(build_refuses_bad_strides),

@@ -69,7 +69,7 @@ static void identical_triangles_are_split_by_index(void **state) {
     const htree_mesh equal = plain_mesh(same, n), other = plain_mesh(random, n);
     for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
         const double base = prove(&other, kind, DEPTH_LIMIT, 10);
-        const double took = prove(&equal, kind, 24, 10);
+        const double took = prove(&equal, kind, 32, 10);
         say("%s: 100000 identical triangles built in %.2f of the time of random ones",
             htree_kind_name(kind), took / base);
 #ifndef SUITE_SANITIZED

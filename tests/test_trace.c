@@ -221,7 +221,10 @@ static void with_options(const htree_mesh *mesh, const htree_options *options,
 
 static void with_all_options(const htree_mesh *mesh, htree_kind kind, const htree_ray *rays,
                              const htree_hit *truth, uint64_t count) {
-    static const uint32_t axes[] = {1, 3}, buckets[] = {2, 3, 4, 16, 64};
+    static const uint32_t axes[] = {1, 3}, buckets[] = {2, 3, 4, 16, 64}, few[] = {1, 20, 1000};
+    static const uint32_t flags[] = {0, HTREE_ANY_PLANES, HTREE_LOOSE_PLANES | HTREE_ANY_PLANES,
+                                     HTREE_STRICT};
+    static const float cells[] = {1, 64, 1.0f / 64, 7};
     static const float costs[][4] = {{1, 1, 1, 1},     {1, 100, 100, 1},    {100, 1, 100, 1},
                                      {100, 100, 1, 1}, {1e-6f, 1, 1, 1e6f}, {1, 2, 3, 1e-3f}};
     for (uint32_t i = 0; i < COUNT_OF(axes) * COUNT_OF(buckets) * COUNT_OF(costs); ++i) {
@@ -230,6 +233,9 @@ static void with_all_options(const htree_mesh *mesh, htree_kind kind, const htre
         options.threads = 1;
         options.axes = axes[i % COUNT_OF(axes)];
         options.buckets = buckets[i / COUNT_OF(axes) % COUNT_OF(buckets)];
+        options.flags = flags[i % COUNT_OF(flags)];
+        options.cells_per_prim = cells[i / 2 % COUNT_OF(cells)];
+        options.few_prims = few[i / 3 % COUNT_OF(few)];
         options.cost_skd = cost[0];
         options.cost_bv2 = cost[1];
         options.cost_bv6 = cost[2];

@@ -17,6 +17,7 @@ static const struct {
     {HTREE_BVH_SAH, ht_build_bvh_sah},
     {HTREE_SKD, ht_build_skd},
     {HTREE_H, ht_build_h},
+    {HTREE_AH, ht_build_ah},
 };
 
 static ht_build *find_builder(htree_kind kind) {
@@ -180,6 +181,14 @@ static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
     return tree;
 }
 
+ht_prim *ht_builder_spare(ht_builder *builder) {
+    htree *tree = builder->tree;
+    if (!builder->spare) {
+        builder->spare = (ht_prim *)ht_allocate(&tree->memory, tree->prim_count * sizeof(ht_prim));
+    }
+    return builder->spare;
+}
+
 static htree_status run_builder(ht_builder *builder, const htree_mesh *mesh, ht_build *build) {
     htree *tree = builder->tree;
     HT_TRY(add_triangles(builder, mesh));
@@ -200,12 +209,11 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
     tree->object_boxes =
         (htree_box *)ht_allocate(&tree->memory, tree->object_count * sizeof(htree_box));
     builder.prims = (ht_prim *)ht_allocate(&tree->memory, prims * sizeof(ht_prim));
-    builder.spare = (ht_prim *)ht_allocate(&tree->memory, prims * sizeof(ht_prim));
     htree_status status = HTREE_ERROR_MEMORY;
-    if (tree->triangles && tree->object_boxes && builder.prims && builder.spare) {
+    if (tree->triangles && tree->object_boxes && builder.prims) {
         status = run_builder(&builder, mesh, build);
     }
-    ht_release(&tree->memory, builder.spare, prims * sizeof(ht_prim));
+    ht_release(&tree->memory, builder.spare, tree->prim_count * sizeof(ht_prim));
     ht_release(&tree->memory, builder.prims, prims * sizeof(ht_prim));
     return status;
 }

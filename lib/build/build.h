@@ -22,9 +22,12 @@ typedef struct ht_builder {
     htree *tree; /* geometry, bounds and counts are set; the builder sets nodes and stack */
     ht_prim
         *prims; /* tree->prim_count of them, at least 1, in order of id; the builder may permute */
-    ht_prim *spare; /* as many again, scratch for partitions */
+    ht_prim *spare; /* see ht_builder_spare */
     ht_progress progress;
 } ht_builder;
+
+/* Scratch for partitions, as many prims again; freed with the builder. NULL: the failure is recorded. */
+ht_prim *ht_builder_spare(ht_builder *builder);
 
 typedef htree_status ht_build(ht_builder *builder);
 
@@ -33,5 +36,6 @@ ht_build ht_build_ug;                           /* ug.c */
 ht_build ht_build_kd;                           /* kd.c */
 ht_build ht_build_bvh_median, ht_build_bvh_sah; /* bvh.c */
 ht_build ht_build_skd, ht_build_h;              /* h.c */
+ht_build ht_build_ah;                           /* ah.c */
 
 #endif

@@ -51,7 +51,7 @@ static htree_status build_bvh(ht_builder *builder, bool median) {
     tree->node_slots = 2 * tree->prim_count - 1;
     tree->node_slot_bytes = sizeof(ht_bvh_node);
     tree->nodes = ht_allocate(&tree->memory, (uint64_t)tree->node_slots * sizeof(ht_bvh_node));
-    if (!tree->nodes) return HTREE_ERROR_MEMORY;
+    if (!tree->nodes || !ht_builder_spare(builder)) return HTREE_ERROR_MEMORY;
     build.nodes = (ht_bvh_node *)tree->nodes;
     HT_TRY(subtree(&build, 0, 1, 0, tree->prim_count, &tree->bounds, 0));
     tree->stack = build.deepest;

@@ -8,7 +8,7 @@
  * Termination is automatic (Havran, section 4.5): a voxel is split while a plane lowers its expected
  * cost, down to a depth of 1.2 log2 N + 2. */
 #include "event.h"
-#include "split.h"
+#include "prims.h"
 
 typedef struct kd_lists {
     kd_event *events[3];
@@ -238,12 +238,6 @@ static htree_status build_nodes(kd_build *build) {
     return HTREE_OK;
 }
 
-static uint32_t log2_rounded_up(uint32_t n) {
-    uint32_t bits = 0;
-    while (bits < 32 && (uint64_t)1 << bits < n) ++bits;
-    return bits;
-}
-
 htree_status ht_build_kd(ht_builder *builder) {
     htree *tree = builder->tree;
     const uint32_t n = tree->prim_count;
@@ -252,7 +246,7 @@ htree_status ht_build_kd(ht_builder *builder) {
     kd_build build;
     memset(&build, 0, sizeof build);
     build.builder = builder;
-    build.max_depth = 2 + (6 * log2_rounded_up(n) + 4) / 5;
+    build.max_depth = 2 + (6 * ht_levels_needed(n) + 4) / 5;
     ht_stack_begin(&build.lists, &tree->memory);
     ht_array_begin(&build.nodes, &tree->memory, sizeof(ht_kd_node));
     ht_array_begin(&build.refs, &tree->memory, sizeof(uint32_t));

@@ -39,6 +39,8 @@ static void write_defaults(htree_options *options, htree_kind kind) {
     options->cost_bv2 = 1.0f;
     options->cost_bv6 = 1.2f;
     options->cost_intersect = 1.2f;
+    options->cells_per_prim = 2;
+    options->few_prims = 300;
 }
 
 htree_status htree_options_init(htree_options *options, uint64_t size, htree_kind kind) {
@@ -80,7 +82,7 @@ htree_status ht_options_read(const htree_options *given, htree_options *options)
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.kind is %ld: no htree_kind",
                        (long)options->kind);
     }
-    if (options->flags & ~(uint32_t)HTREE_STRICT) {
+    if (options->flags & ~(uint32_t)(HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES)) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.flags is %#lx: unknown bits",
                        (unsigned long)options->flags);
     }
@@ -91,6 +93,14 @@ htree_status ht_options_read(const htree_options *given, htree_options *options)
     if (options->axes != 1 && options->axes != 3) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.axes is %lu: must be 1 or 3",
                        (unsigned long)options->axes);
+    }
+    if (!(options->cells_per_prim >= 1.0f / 64 && options->cells_per_prim <= 64)) {
+        return ht_fail(HTREE_ERROR_ARGUMENT, "options.cells_per_prim is %g: must be 1/64 to 64",
+                       (double)options->cells_per_prim);
+    }
+    if (options->few_prims < 1 || options->few_prims > 1 << 20) {
+        return ht_fail(HTREE_ERROR_ARGUMENT, "options.few_prims is %lu: must be 1 to 2^20",
+                       (unsigned long)options->few_prims);
     }
     HT_TRY(check_cost("cost_skd", options->cost_skd));
     HT_TRY(check_cost("cost_bv2", options->cost_bv2));

@@ -3,8 +3,10 @@
  * The axis is the widest extent of the *centroids*: a few large objects widen a box on axes where
  * nothing can be separated, and interiors then cost several times the steps. O(n + M) per split. */
 #include "split.h"
+#include "prims.h"
 
 enum { MAX_BUCKETS = 64 };
+enum { FEW_PRIMS = 8 }; /* so few are sorted: cheaper than buckets, and exact */
 
 typedef struct bucket {
     float lo[4], hi[4]; /* lanes as in ht_prim; the last means nothing */
@@ -32,15 +34,6 @@ HT_INLINE float centroid(const ht_prim *prim, uint32_t axis) {
 HT_INLINE uint32_t bucket_index(const ht_split *split, float c) {
     const uint32_t index = (uint32_t)((c - split->origin) * split->scale);
     return index < split->buckets ? index : split->buckets - 1;
-}
-
-static htree_box centroid_bounds(const ht_prim *prims, uint32_t count) {
-    htree_box box = ht_box_empty();
-    for (uint32_t i = 0; i < count; ++i) {
-        const float c[3] = {centroid(&prims[i], 0), centroid(&prims[i], 1), centroid(&prims[i], 2)};
-        ht_box_add_point(&box, c);
-    }
-    return box;
 }
 
 /* Few objects need few planes: the cost function has only n - 1 steps. */
@@ -102,35 +95,85 @@ static double sweep(const bucket *buckets, uint32_t count, ht_split *split) {
     return cheapest;
 }
 
-static htree_box prims_box(const ht_prim *prims, uint32_t count) {
-    htree_box box = ht_box_empty();
-    for (uint32_t i = 0; i < count; ++i) {
-        ht_box_add_point(&box, prims[i].lo);
-        ht_box_add_point(&box, prims[i].hi);
-    }
-    return box;
-}
-
 static void split_in_the_middle(const ht_prim *prims, uint32_t count, uint32_t axis,
                                 ht_split *split) {
     split->axis = axis;
     split->plane = 0;
     split->left_count = count / 2;
-    split->left = prims_box(prims, split->left_count);
-    split->right = prims_box(prims + split->left_count, count - split->left_count);
+    split->left = ht_prims_box(prims, split->left_count);
+    split->right = ht_prims_box(prims + split->left_count, count - split->left_count);
+}
+
+/* ---- Few prims: every plane between two centroids ---- */
+
+/* Insertion sort: stable, so equal centroids keep their order. */
+static void sort_by_centroid(ht_prim *prims, uint32_t count, uint32_t axis) {
+    for (uint32_t i = 1; i < count; ++i) {
+        const ht_prim prim = prims[i];
+        uint32_t k = i;
+        for (; k > 0 && centroid(&prim, axis) < centroid(&prims[k - 1], axis); --k)
+            prims[k] = prims[k - 1];
+        prims[k] = prim;
+    }
+}
+
+/* The minimum of eq. 1 over all splits of prims in this order. */
+static double sweep_in_order(const ht_prim *prims, uint32_t count, ht_split *split) {
+    htree_box right_box[FEW_PRIMS];
+    htree_box box = ht_box_empty();
+    for (uint32_t i = count - 1; i > 0; --i) {
+        ht_box_add_point(&box, prims[i].lo);
+        ht_box_add_point(&box, prims[i].hi);
+        right_box[i] = box;
+    }
+    box = ht_box_empty();
+    double cheapest = INFINITY;
+    for (uint32_t left = 1; left < count; ++left) {
+        ht_box_add_point(&box, prims[left - 1].lo);
+        ht_box_add_point(&box, prims[left - 1].hi);
+        const double cost = (double)left * (double)ht_box_area(&box) +
+                            (double)(count - left) * (double)ht_box_area(&right_box[left]);
+        if (cost < cheapest) {
+            cheapest = cost;
+            split->left_count = left;
+            split->left = box;
+            split->right = right_box[left];
+        }
+    }
+    return cheapest;
+}
+
+static void split_exactly(ht_prim *prims, uint32_t count, uint32_t widest, uint32_t axes,
+                          ht_split *split) {
+    double cheapest = INFINITY;
+    for (uint32_t i = 0; i < axes; ++i) {
+        ht_split candidate = {0};
+        candidate.axis = (widest + i) % 3;
+        sort_by_centroid(prims, count, candidate.axis);
+        const double cost = sweep_in_order(prims, count, &candidate);
+        if (cost < cheapest) {
+            cheapest = cost;
+            *split = candidate;
+        }
+    }
+    if (axes > 1) sort_by_centroid(prims, count, split->axis);
 }
 
 static bool levels_are_scarce(uint32_t count, uint32_t levels) {
     return levels < 32 && (uint64_t)count > (uint64_t)1 << (levels - 1);
 }
 
-HT_NOINLINE void ht_split_find(const htree_options *options, const ht_prim *prims, uint32_t count,
+HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count,
                                uint32_t levels, ht_split *split) {
     assert(count >= 2 && levels >= 1);
     bucket buckets[MAX_BUCKETS];
-    const htree_box centroids = centroid_bounds(prims, count);
+    const htree_box centroids = ht_centroid_bounds(prims, count);
     const uint32_t widest = (uint32_t)ht_widest_axis(&centroids);
     const uint32_t axes = levels_are_scarce(count, levels) ? 0 : options->axes;
+    if (axes > 0 && count <= FEW_PRIMS) {
+        split_exactly(prims, count, widest, axes, split);
+        return;
+    }
     double cheapest = INFINITY;
     for (uint32_t i = 0; i < axes; ++i) {
         ht_split candidate = {0};
@@ -168,7 +211,7 @@ HT_NOINLINE void ht_split_find_median(const ht_prim *prims, uint32_t count, cons
     uint32_t axis = (uint32_t)ht_widest_axis(box);
     if (!levels_are_scarce(count, levels)) {
         if (try_middle(prims, count, axis, 2 * box->lo[axis], 2 * box->hi[axis], split)) return;
-        const htree_box centroids = centroid_bounds(prims, count);
+        const htree_box centroids = ht_centroid_bounds(prims, count);
         axis = (uint32_t)ht_widest_axis(&centroids);
         if (try_middle(prims, count, axis, centroids.lo[axis], centroids.hi[axis], split)) return;
     }

@@ -5,10 +5,11 @@
 
 #include "build.h"
 
-/* Prims with bucket(centroid) < plane on `axis` go left; both sides are never empty. */
+/* Prims with bucket(centroid) < plane on `axis` go left; where plane is 0, the first left_count do. Both
+ * sides are never empty. */
 typedef struct ht_split {
     uint32_t axis;
-    uint32_t plane;      /* 0: no plane separates the centroids; split in the middle by index */
+    uint32_t plane;
     float origin, scale; /* bucket(c) = (c - origin) * scale */
     uint32_t buckets;    /* M */
     uint32_t left_count;
@@ -17,9 +18,9 @@ typedef struct ht_split {
 
 /* Finds the cheapest split of count >= 2 prims by eq. 1. `levels` is how many levels of branching
  * may still follow: when they get scarce the split is in the middle, which keeps any tree within
- * HT_MAX_DEPTH. */
-void ht_split_find(const htree_options *options, const ht_prim *prims, uint32_t count,
-                   uint32_t levels, ht_split *split);
+ * HT_MAX_DEPTH. May reorder the prims. */
+void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count, uint32_t levels,
+                   ht_split *split);
 
 /* The spatial median: the middle of `box` along its widest axis, or of the centroids where that
  * separates nothing. */

@@ -3,12 +3,12 @@
  * Boxes are entered with a margin that covers the rounding of a walk from any origin within `reach`
  * (see trace/ug.c), so that the walk may take the cells one by one without a pad of its own. */
 #include "build.h"
+#include "cells.h"
 
 #include <float.h>
 
 static const double CELLS_PER_OBJECT = 5;
 static const double REFERENCES_PER_OBJECT = 32;
-enum { MOST_CELLS_PER_AXIS = 1 << 20 };
 
 /* The reach of rays that walk cell by cell, in largest extents of the bounds. */
 static const float REACH = 4;
@@ -26,36 +26,6 @@ static void set_margin(const htree *tree, ht_ug_grid *grid, float *margin) {
             ht_max(3.814697265625e-6f * grid->reach + 4.76837158203125e-7f * coordinate, FLT_MIN);
         grid->lo[i] = tree->bounds.lo[i] - margin[i];
         grid->hi[i] = tree->bounds.hi[i] + margin[i];
-    }
-}
-
-static uint32_t cells_along(double extent, double side) {
-    const double cells = extent / side;
-    return cells < 1 ? 1 : cells < MOST_CELLS_PER_AXIS ? (uint32_t)cells : MOST_CELLS_PER_AXIS;
-}
-
-/* Cubes of the smallest side that gives no more than the wanted number of cells. By bisection: an axis thinner
- * than a cell has one cell, so there is no closed form, and no cube root is needed. */
-static void set_cells(double wanted, ht_ug_grid *grid) {
-    double extent[3], large = 0;
-    for (int i = 0; i < 3; ++i) {
-        extent[i] = (double)grid->hi[i] - (double)grid->lo[i];
-        if (extent[i] > large) large = extent[i];
-    }
-    double small = large / MOST_CELLS_PER_AXIS;
-    for (int step = 0; step < 64; ++step) {
-        const double side = (small + large) / 2;
-        double cells = 1;
-        for (int i = 0; i < 3; ++i) cells *= (double)cells_along(extent[i], side);
-        if (cells > wanted) {
-            small = side;
-        } else {
-            large = side;
-        }
-    }
-    for (int i = 0; i < 3; ++i) {
-        grid->cells[i] = cells_along(extent[i], large);
-        grid->size[i] = (float)(extent[i] / (double)grid->cells[i]);
     }
 }
 
@@ -84,9 +54,12 @@ static cell_range cells_of(const ht_ug_grid *grid, const float *margin, const ht
 /* Large objects lie in many cells: where that would take too much, the cells are made larger. */
 static void choose_cells(const ht_builder *builder, const float *margin) {
     htree *tree = builder->tree;
+    ht_ug_grid *grid = &tree->grid;
     double wanted = CELLS_PER_OBJECT * (double)tree->prim_count;
     for (;; wanted /= 8) {
-        set_cells(wanted, &tree->grid);
+        const htree_box box = {{grid->lo[0], grid->lo[1], grid->lo[2]},
+                               {grid->hi[0], grid->hi[1], grid->hi[2]}};
+        ht_cubic_cells(&box, wanted, grid->cells, grid->size);
         double references = 0;
         for (uint32_t i = 0; i < tree->prim_count; ++i) {
             const cell_range range = cells_of(&tree->grid, margin, &builder->prims[i]);

@@ -4,12 +4,12 @@
 #include "trace.h"
 
 /* Both children of an SKD node may be entered, and their intervals may overlap. */
-HT_INLINE bool step_skd(const ht_h_node *node, uint32_t at, const ht_ray *r, ht_stack_entry *here,
+HT_INLINE bool step_skd(const ht_h_node *node, uint32_t axis, const ht_ray *r, ht_stack_entry *here,
                         ht_stack_entry *stack, uint32_t *top) {
-    const uint32_t axis = node->tag - HT_H_SKD;
     const bool negative = r->negative[axis] != 0;
-    const uint32_t near_slot = negative ? node->child : at + 1;
-    const uint32_t far_slot = negative ? at + 1 : node->child;
+    const uint32_t left_slot = here->slot + 1;
+    const uint32_t near_slot = negative ? node->child : left_slot;
+    const uint32_t far_slot = negative ? left_slot : node->child;
     /* left ends at plane a, right begins at plane b: a ray against the axis meets right first. */
     const float near_exit = ht_min(here->tfar, ht_ray_exit(r, axis, negative ? node->b : node->a));
     const float far_entry =
@@ -28,17 +28,41 @@ HT_INLINE bool step_skd(const ht_h_node *node, uint32_t at, const ht_ray *r, ht_
     return far_entry <= here->tfar;
 }
 
+/* Clips by the planes of a BVO node one by one, and returns the slots that the node takes. */
+static uint32_t clip_planes(const ht_ray *r, const ht_h_node *node, float *tnear, float *tfar) {
+    const uint32_t planes = node->tag >> HT_H_TAG_BITS;
+    uint32_t k = 0;
+    for (uint32_t i = 0; i < 6; ++i) {
+        if (!(planes >> i & 1)) continue;
+        const uint32_t axis = i % 3;
+        const float plane = ht_h_plane(node, k++);
+        if ((i < 3) != (r->negative[axis] != 0)) {
+            *tnear = ht_max(*tnear, ht_ray_entry(r, axis, plane));
+        } else {
+            *tfar = ht_min(*tfar, ht_ray_exit(r, axis, plane));
+        }
+    }
+    return k > 3 ? 2 : 1;
+}
+
 /* Follows a bounding node to its child; false if the ray misses what it bounds. */
-HT_INLINE bool step_bound(const ht_h_node *node, uint32_t at, const ht_ray *r,
+HT_INLINE bool step_bound(const ht_h_node *node, uint32_t type, const ht_ray *r,
                           ht_stack_entry *here) {
-    if (node->tag == HT_H_BV6) {
-        ht_h_bv6 bv6;
-        memcpy(&bv6, node, sizeof bv6);
-        ht_ray_clip_box(r, bv6.lo, bv6.hi, &here->tnear, &here->tfar);
-        here->slot = at + 2;
+    if (type == HT_H_BV6) {
+        float lo[3], hi[3];
+        memcpy(lo, &node[0].a, sizeof lo);
+        memcpy(hi, &node[1].a, sizeof hi);
+        ht_ray_clip_box(r, lo, hi, &here->tnear, &here->tfar);
+        here->slot += 2;
+    } else if (type < HT_H_BV6) {
+        ht_ray_clip(r, type - HT_H_BV2, node->a, node->b, &here->tnear, &here->tfar);
+        here->slot += 1;
     } else {
-        ht_ray_clip(r, node->tag - HT_H_BV2, node->a, node->b, &here->tnear, &here->tfar);
-        here->slot = at + 1;
+        /* Copies: the address of the interval would keep it out of registers. */
+        float tnear = here->tnear, tfar = here->tfar;
+        here->slot += clip_planes(r, node, &tnear, &tfar);
+        here->tnear = tnear;
+        here->tfar = tfar;
     }
     return here->tnear <= here->tfar;
 }
@@ -51,22 +75,31 @@ HT_INLINE void walk_h(const htree *tree, const htree_ray *ray, const ht_ray *r, 
     uint32_t top = 0;
     for (;;) {
         const ht_h_node *node = &nodes[here.slot];
-        bool inside;
+        const uint32_t type = node->tag & HT_H_TYPE;
+        bool inside = false;
         if (counted) ++counters->traversal_steps;
-        if (node->tag >= HT_H_SKD && node->tag < HT_H_BV2) {
-            inside = step_skd(node, here.slot, r, &here, stack, &top);
-        } else if (node->tag == HT_H_LEAF) {
+        if (type == HT_H_LEAF) {
             if (counted) {
                 ++counters->leaf_steps;
                 ++counters->intersections;
             }
             if (ht_intersect_prim(tree, node->child, ray, r, hit) && any) return;
-            inside = false;
-        } else if (node->tag == HT_H_LINK) {
+        } else if (type < HT_H_BV2) {
+            const uint32_t shelf = node->tag >> HT_H_TAG_BITS;
+            /* A shelf goes first: large objects are likely hits (section 8). */
+            if (HT_UNLIKELY(shelf)) {
+                const ht_stack_entry whole = {shelf, here.tnear, here.tfar};
+                if (step_skd(node, type - HT_H_SKD, r, &here, stack, &top)) stack[top++] = here;
+                here = whole;
+                inside = true;
+            } else {
+                inside = step_skd(node, type - HT_H_SKD, r, &here, stack, &top);
+            }
+        } else if (type != HT_H_LINK) {
+            inside = step_bound(node, type, r, &here);
+        } else {
             here.slot = node->child;
             inside = true;
-        } else {
-            inside = step_bound(node, here.slot, r, &here);
         }
         if (inside) continue;
         /* Strictly beyond the best hit: at equal t a lower prim may still win. */

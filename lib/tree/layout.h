@@ -26,36 +26,38 @@ typedef struct ht_bvh_node {
     ht_word tag; /* interior: the axis that was split, 0 to 2; leaf: HT_BVH_LEAF */
 } ht_bvh_node;
 
-/* ---- H-tree: the paper's nine node types in 16 bytes (BV6: two slots), depth first
- * --------------- */
+/* ---- H-tree: the paper's node types in 16 bytes (four planes or more: 32), depth first ---- */
 
 /*   type        a          b          child               the node's child is
  *   LEAF        -          -          prim                none
  *   SKD_X..Z    left max   right min  slot of the right   the next slot: left; `child`: right
  *   BV2_X..Z    lo         hi         -                   the next slot
- *   BV6         lo x       lo y       lo z (float bits)   two slots on; the second slot is hi x y z
- *   LINK        -          -          slot                `child`: nodes come in chunks
- * (section 6.2) */
+ *   BV6         planes 0 to 2, and 3 to 5 in the second   two slots on
+ *   LINK        -          -          slot                `child`: nodes come in chunks (section 6.2)
+ *   BVO         as many planes as its set has             one or two slots on
+ *
+ * Planes are numbered lo x, lo y, lo z, hi x, hi y, hi z. Three fit into a slot: a, b, and the word
+ * `child` as a float. The tag's upper 28 bits are, of an SKD node, the slot of its ternary child, the
+ * tree over its oversize shelf (section 7.2), or 0; of a BVO node, its set of planes. */
 #define HT_H_LEAF 0u
 #define HT_H_SKD  1u /* + axis */
 #define HT_H_BV2  4u /* + axis */
 #define HT_H_BV6  7u
 #define HT_H_LINK 8u
+#define HT_H_BVO  9u
+
+#define HT_H_TYPE     15u
+#define HT_H_TAG_BITS 4u
+#define HT_H_SLOTS    0x10000000u
 
 #define HT_H_CHUNK_SLOTS 1024u /* 16 KiB */
+#define HT_ALL_PLANES    63u
 
 typedef struct ht_h_node {
     float a, b;
     ht_word child;
-    ht_word tag; /* the type */
+    ht_word tag;
 } ht_h_node;
-
-typedef struct ht_h_bv6 {
-    float lo[3];
-    ht_word tag; /* HT_H_BV6, at the offset of ht_h_node's */
-    float hi[3];
-    ht_word unused;
-} ht_h_bv6;
 
 /* ---- kd-tree: 8 bytes a node, depth first ------------------------------------------------- */
 

@@ -3,7 +3,7 @@
 
 typedef struct census {
     uint64_t roles[HT_ROLES];
-    uint64_t references;
+    uint64_t references, ternary;
     uint32_t depth;
     double cost; /* of the nodes, weighted by the chance that a ray through the bounds meets them */
     double bounds_area;
@@ -14,6 +14,7 @@ static htree_status count_node(void *data, const ht_place *place, const ht_node_
     census *c = (census *)data;
     ++c->roles[view->role];
     c->references += view->prim_count;
+    c->ternary += view->child_count == 3;
     if (place->depth > c->depth) c->depth = place->depth;
     const double chance =
         c->bounds_area > 0 ? (double)ht_box_area(&place->box) / c->bounds_area : 1;
@@ -34,6 +35,7 @@ static htree_status take_census(const htree *tree, census *c) {
     c->role_cost[HT_SPLIT] = (double)(is_bvh(tree) ? tree->cost_bv6 : tree->cost_skd);
     c->role_cost[HT_BV2] = (double)tree->cost_bv2;
     c->role_cost[HT_BV6] = (double)tree->cost_bv6;
+    c->role_cost[HT_BVO] = (double)tree->cost_bv6;
     return ht_visit_nodes(tree, count_node, c);
 }
 
@@ -63,6 +65,8 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     s.skd_nodes = is_bvh(tree) ? 0 : c.roles[HT_SPLIT];
     s.bv2_nodes = c.roles[HT_BV2];
     s.bv6_nodes = is_bvh(tree) ? c.roles[HT_SPLIT] : c.roles[HT_BV6];
+    s.bvo_nodes = c.roles[HT_BVO];
+    s.ternary_nodes = c.ternary;
     s.link_nodes = c.roles[HT_LINK];
     s.depth = c.depth;
     s.stack = tree->stack;

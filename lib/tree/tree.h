@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/tasks.h"
 #include "base/vec.h"
-#include "layout.h"
+#include "planes.h"
 
 typedef struct ht_triangle {
     float v[3][3];

@@ -37,40 +37,49 @@ static bool view_bvh(const htree *tree, const ht_place *place, ht_node_view *vie
 }
 
 static void view_h_bound(const ht_h_node *node, const ht_place *place, ht_node_view *view) {
-    htree_box box = place->box;
-    if (node->tag == HT_H_BV6) {
-        ht_h_bv6 bv6;
-        memcpy(&bv6, node, sizeof bv6);
-        memcpy(box.lo, bv6.lo, sizeof box.lo);
-        memcpy(box.hi, bv6.hi, sizeof box.hi);
-    } else {
-        box.lo[node->tag - HT_H_BV2] = node->a;
-        box.hi[node->tag - HT_H_BV2] = node->b;
+    const uint32_t planes = ht_h_bound_planes(node);
+    htree_box by = place->box, box = place->box;
+    for (uint32_t i = 0, k = 0; i < 6; ++i) {
+        if (!(planes >> i & 1)) continue;
+        const float plane = ht_h_plane(node, k++);
+        if (i < 3) by.lo[i] = plane;
+        if (i >= 3) by.hi[i - 3] = plane;
     }
-    box = ht_box_intersection(&box, &place->box);
+    ht_cut_by_planes(&box, planes, &by);
     add_child(view, place, place->slot + view->slots, &box);
+}
+
+static void view_h_skd(const ht_h_node *node, const ht_place *place, ht_node_view *view) {
+    const uint32_t axis = (node->tag & HT_H_TYPE) - HT_H_SKD;
+    const uint32_t shelf = node->tag >> HT_H_TAG_BITS;
+    htree_box left = place->box, right = place->box;
+    left.hi[axis] = ht_min(left.hi[axis], node->a);
+    right.lo[axis] = ht_max(right.lo[axis], node->b);
+    add_child(view, place, place->slot + 1, &left);
+    add_child(view, place, node->child, &right);
+    if (!shelf) return;
+    add_child(view, place, shelf, &place->box);
+    ++view->child[2].branches; /* both other children wait while a ray is in the shelf */
 }
 
 static bool view_h(const htree *tree, const ht_place *place, ht_node_view *view) {
     const ht_h_node *node = (const ht_h_node *)tree->nodes + place->slot;
-    view->slots = node->tag == HT_H_BV6 ? 2 : 1;
-    if (view->slots > tree->node_slots - place->slot) return false;
-    if (node->tag == HT_H_LEAF) {
+    const uint32_t type = node->tag & HT_H_TYPE;
+    view->slots = 1;
+    if (type == HT_H_LEAF) {
         view_leaf(view, &node->child, 1);
-    } else if (node->tag == HT_H_LINK) {
+    } else if (type < HT_H_BV2) {
+        view->role = HT_SPLIT;
+        view_h_skd(node, place, view);
+    } else if (type == HT_H_LINK) {
         view->role = HT_LINK;
         add_child(view, place, node->child, &place->box);
-    } else if (node->tag >= HT_H_BV2 && node->tag <= HT_H_BV6) {
-        view->role = node->tag == HT_H_BV6 ? HT_BV6 : HT_BV2;
+    } else if (type <= HT_H_BVO) {
+        const uint32_t planes = ht_plane_count(ht_h_bound_planes(node));
+        view->role = type == HT_H_BV6 ? HT_BV6 : type == HT_H_BVO ? HT_BVO : HT_BV2;
+        view->slots = planes > 3 ? 2 : 1;
+        if (planes == 0 || planes > 6 || view->slots > tree->node_slots - place->slot) return false;
         view_h_bound(node, place, view);
-    } else if (node->tag >= HT_H_SKD && node->tag < HT_H_BV2) {
-        const uint32_t axis = node->tag - HT_H_SKD;
-        htree_box left = place->box, right = place->box;
-        left.hi[axis] = ht_min(left.hi[axis], node->a);
-        right.lo[axis] = ht_max(right.lo[axis], node->b);
-        view->role = HT_SPLIT;
-        add_child(view, place, place->slot + 1, &left);
-        add_child(view, place, node->child, &right);
     } else {
         return false;
     }
@@ -106,7 +115,8 @@ bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) 
     case HTREE_BVH_MEDIAN:
     case HTREE_BVH_SAH: return view_bvh(tree, place, view);
     case HTREE_SKD:
-    case HTREE_H: return view_h(tree, place, view);
+    case HTREE_H:
+    case HTREE_AH: return view_h(tree, place, view);
     default: return false;
     }
 }
@@ -136,7 +146,9 @@ static htree_status visit_below(const htree *tree, const ht_place *top, uint64_t
         }
         HT_TRY(see(data, &place, &view));
         if (view.child_count == 0) return HTREE_OK;
-        if (view.child_count == 2) HT_TRY(visit_below(tree, &view.child[1], budget, see, data));
+        for (uint32_t i = 1; i < view.child_count; ++i) {
+            HT_TRY(visit_below(tree, &view.child[i], budget, see, data));
+        }
         place = view.child[0];
     }
 }

@@ -8,11 +8,19 @@
 typedef struct ht_place {
     uint32_t slot;
     uint32_t depth;    /* nodes on the way from the root, this one included */
-    uint32_t branches; /* SKD or BVH nodes on that way, this one not included */
+    uint32_t branches; /* entries that wait on a ray's stack when it gets here */
     htree_box box;
 } ht_place;
 
-typedef enum ht_node_role { HT_LEAF, HT_SPLIT, HT_BV2, HT_BV6, HT_LINK, HT_ROLES } ht_node_role;
+typedef enum ht_node_role {
+    HT_LEAF,
+    HT_SPLIT,
+    HT_BV2,
+    HT_BV6,
+    HT_BVO,
+    HT_LINK,
+    HT_ROLES
+} ht_node_role;
 
 /* What a node is: for a leaf its prims, else its children with their traversal boxes. */
 typedef struct ht_node_view {
@@ -21,7 +29,7 @@ typedef struct ht_node_view {
     const uint32_t *prims; /* of a leaf */
     uint32_t prim_count;
     uint32_t child_count;
-    ht_place child[2];
+    ht_place child[3];
 } ht_node_view;
 
 ht_place ht_root_place(const htree *tree);

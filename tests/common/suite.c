@@ -116,7 +116,9 @@ htree *tree_of(const htree_mesh *mesh, const htree_options *options) {
     htree *tree = NULL;
     if (htree_build(&tree, mesh, options) != HTREE_OK) fail_msg("build: %s", htree_error_text());
     assert_non_null(tree);
-    if (htree_check(tree) != HTREE_OK) fail_msg("check: %s", htree_error_text());
+    if (htree_check(tree) != HTREE_OK) {
+        fail_msg("check of %s: %s", htree_kind_name(stats_of(tree).kind), htree_error_text());
+    }
     return tree;
 }
 
