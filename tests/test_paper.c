@@ -63,8 +63,11 @@ static void prove_types(const char *name, const htree *tree, const htree_stats *
     (void)tree;
     assert_int_equal(stats->leaves, n);
     assert_int_equal(stats->references, n);
-    assert_int_equal(stats->skd_nodes, n - 1); /* every split is an SKD node */
+    /* Every split is an SKD node, and one with a shelf of oversize objects has a third child. */
+    assert_int_equal(stats->skd_nodes + stats->ternary_nodes, n - 1);
+    assert_true(stats->kind == HTREE_AH || stats->ternary_nodes == 0);
     assert_true(stats->bv6_nodes >= 1);
+    assert_int_equal(stats->bvo_nodes, 0); /* unless HTREE_ANY_PLANES asks for them */
     const uint64_t bounds = stats->bv2_nodes + stats->bv6_nodes;
     assert_int_equal(stats->nodes, stats->leaves + stats->skd_nodes + bounds + stats->link_nodes);
 }
@@ -72,6 +75,7 @@ static void prove_types(const char *name, const htree *tree, const htree_stats *
 static void an_h_tree_has_one_object_a_leaf_and_nine_node_types(void **state) {
     (void)state;
     for_each_shape(HTREE_H, prove_types);
+    if (is_here(HTREE_AH)) for_each_shape(HTREE_AH, prove_types);
 }
 
 /* Three planes fit into a slot: a, b, and the bits of the word `child`. */

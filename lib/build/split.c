@@ -106,13 +106,17 @@ static void split_in_the_middle(const ht_prim *prims, uint32_t count, uint32_t a
 
 /* ---- Few prims: every plane between two centroids ---- */
 
-/* Insertion sort: stable, so equal centroids keep their order. */
+/* A total order, so that sorting by one axis, another, and the first again ends where it began. */
+HT_INLINE bool comes_before(const ht_prim *a, const ht_prim *b, uint32_t axis) {
+    const float ca = centroid(a, axis), cb = centroid(b, axis);
+    return ca < cb || (ca == cb && ht_prim_id(a) < ht_prim_id(b));
+}
+
 static void sort_by_centroid(ht_prim *prims, uint32_t count, uint32_t axis) {
     for (uint32_t i = 1; i < count; ++i) {
         const ht_prim prim = prims[i];
         uint32_t k = i;
-        for (; k > 0 && centroid(&prim, axis) < centroid(&prims[k - 1], axis); --k)
-            prims[k] = prims[k - 1];
+        for (; k > 0 && comes_before(&prim, &prims[k - 1], axis); --k) prims[k] = prims[k - 1];
         prims[k] = prim;
     }
 }
