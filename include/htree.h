@@ -163,10 +163,15 @@ enum {
     HTREE_BVH_SAH = 4,    /* bounding volume hierarchy, SAH over buckets of centroids */
     HTREE_SKD = 5,        /* spatial kd-tree: two planes a node */
     HTREE_H = 6,          /* H-tree: spatial kd-tree with sparse bounding volumes */
-    HTREE_AH = 7          /* H-tree by a 3D grid and a summed-area table: O(N log log N) */
+    HTREE_AH = 7,         /* H-tree by a 3D grid and a summed-area table: O(N log log N) */
+
+    /* For those who do not want to choose; htree_options_init puts one of the kinds in their place. */
+    HTREE_FAST = 101,     /* build every frame, trace a few rays a triangle */
+    HTREE_BALANCED = 102, /* the default */
+    HTREE_BEST = 103      /* build once, trace for long */
 };
 
-/* "h", "bvh-sah", ... or NULL for a number that is no kind; and back, 0 for a name that is none. */
+/* "h", "bvh-sah", "fast", ... or NULL for a number that is none; and back, 0 for an unknown name. */
 HTREE_API const char *htree_kind_name(htree_kind kind);
 HTREE_API htree_kind htree_kind_from_name(const char *name);
 
@@ -209,6 +214,11 @@ typedef struct htree_options {
 /* Writes the defaults of `kind` into *options; size is sizeof(htree_options). */
 HTREE_API htree_status htree_options_init(htree_options *options, uint64_t size, htree_kind kind);
 
+/* Measures the four costs on this machine, as in section 6.3 of the paper, and writes them to *options, in
+ * units of cost_skd. Takes some milliseconds. What it finds depends on timing, and so will the tree.
+ * Errors     ARGUMENT, MEMORY. */
+HTREE_API htree_status htree_calibrate(htree_options *options);
+
 /* ---- Build -------------------------------------------------------------------------------- */
 
 typedef struct htree htree;
@@ -221,7 +231,7 @@ typedef struct htree htree;
  *            at all is fine: every ray misses.
  * Threads    independent builds may run at once.
  * Errors     ARGUMENT, MEMORY, LIMIT, GEOMETRY, CANCELLED, UNSUPPORTED; then *out is NULL.
- * NULL       options: the defaults of HTREE_H. Nothing else may be NULL. */
+ * NULL       options: the defaults of HTREE_BALANCED. Nothing else may be NULL. */
 HTREE_API htree_status htree_build(htree **out, const htree_mesh *mesh,
                                    const htree_options *options);
 

@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { FIGURE_COUNT = 16 };
@@ -51,7 +50,7 @@ void report_print(const report *r) {
                (unsigned long long)r->stats.invalid, (unsigned long long)r->stats.degenerate);
 }
 
-static void write_string(FILE *file, const char *text) {
+void report_write_string(FILE *file, const char *text) {
     fputc('"', file);
     for (; *text; ++text) {
         const unsigned char c = (unsigned char)*text;
@@ -69,7 +68,7 @@ bool report_write_json(const report *r, const char *path, char *error, size_t si
     FILE *file = fopen(path, "w");
     if (file) {
         fputs("{\"scene\": ", file);
-        write_string(file, r->scene);
+        report_write_string(file, r->scene);
         fprintf(file, ",\n \"kind\": \"%s\"", htree_kind_name(r->stats.kind));
         for (const figure *f = figures; f->key; ++f) {
             /* 15 digits keep every count exact; JSON has no word for infinity. */

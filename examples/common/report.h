@@ -6,6 +6,7 @@
 #include "primary.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 typedef struct report {
     const char *scene;
@@ -16,6 +17,9 @@ typedef struct report {
 
 /* A table with a line on each name, to stdout. */
 void report_print(const report *r);
+
+/* Text as a JSON string, quotes and all. */
+void report_write_string(FILE *file, const char *text);
 
 /* One flat object; times in seconds. False writes one line to `error`. */
 bool report_write_json(const report *r, const char *path, char *error, size_t size);

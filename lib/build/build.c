@@ -2,8 +2,7 @@
  */
 #include "build.h"
 #include "options.h"
-
-#include <time.h>
+#include "base/clock.h"
 
 /* The kinds that can be built. Adding one: a builder file, a row here, a row in trace/trace.c and
  * one in tree/visit.c. */
@@ -25,12 +24,6 @@ static ht_build *find_builder(htree_kind kind) {
         if (builders[i].kind == kind) return builders[i].build;
     }
     return NULL;
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* ---- The mesh ----------------------------------------------------------------------------- */
@@ -219,7 +212,7 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
 }
 
 htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_options *given) {
-    const double start = now();
+    const double start = ht_seconds();
     if (!out) return ht_fail(HTREE_ERROR_ARGUMENT, "out is NULL");
     *out = NULL;
     if (!mesh) return ht_fail(HTREE_ERROR_ARGUMENT, "mesh is NULL");
@@ -238,7 +231,7 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
         htree_free(tree);
         return status;
     }
-    tree->build_seconds = now() - start;
+    tree->build_seconds = ht_seconds() - start;
     assert(htree_check(tree) != HTREE_ERROR_CORRUPT);
     *out = tree;
     return HTREE_OK;

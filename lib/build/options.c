@@ -6,9 +6,10 @@ static const struct {
     htree_kind kind;
     const char *name;
 } kinds[] = {
-    {HTREE_UG, "ug"},           {HTREE_KD, "kd"},   {HTREE_BVH_MEDIAN, "bvh-median"},
-    {HTREE_BVH_SAH, "bvh-sah"}, {HTREE_SKD, "skd"}, {HTREE_H, "h"},
-    {HTREE_AH, "ah"},
+    {HTREE_UG, "ug"},           {HTREE_KD, "kd"},     {HTREE_BVH_MEDIAN, "bvh-median"},
+    {HTREE_BVH_SAH, "bvh-sah"}, {HTREE_SKD, "skd"},   {HTREE_H, "h"},
+    {HTREE_AH, "ah"},           {HTREE_FAST, "fast"}, {HTREE_BALANCED, "balanced"},
+    {HTREE_BEST, "best"},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 
@@ -29,6 +30,16 @@ htree_kind htree_kind_from_name(const char *name) {
     return 0;
 }
 
+/* What the presets stand for: chosen by measurement over objects and interiors. */
+static void resolve_preset(htree_options *options) {
+    if (options->kind == HTREE_FAST) options->kind = HTREE_AH;
+    if (options->kind == HTREE_BALANCED) options->kind = HTREE_H;
+    if (options->kind == HTREE_BEST) {
+        options->kind = HTREE_H;
+        options->axes = 3;
+    }
+}
+
 static void write_defaults(htree_options *options, htree_kind kind) {
     memset(options, 0, sizeof *options);
     options->size = sizeof *options;
@@ -41,6 +52,7 @@ static void write_defaults(htree_options *options, htree_kind kind) {
     options->cost_intersect = 1.2f;
     options->cells_per_prim = 2;
     options->few_prims = 300;
+    resolve_preset(options);
 }
 
 htree_status htree_options_init(htree_options *options, uint64_t size, htree_kind kind) {
@@ -74,7 +86,7 @@ static htree_status check_hooks(const htree_options *options) {
 }
 
 htree_status ht_options_read(const htree_options *given, htree_options *options) {
-    write_defaults(options, HTREE_H);
+    write_defaults(options, HTREE_BALANCED);
     if (!given) return HTREE_OK;
     HT_TRY(
         ht_sized_read(options, sizeof *options, FIRST_OPTIONS_SIZE, given, given->size, "options"));

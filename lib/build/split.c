@@ -64,34 +64,48 @@ static void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_t c
     }
 }
 
-/* The two sweeps: boxes of everything right of each plane, then of everything left of it. Sets
- * plane, left_count and both boxes to the minimum of eq. 1 and returns its cost, undivided by SA,
- * which all planes and axes share. */
-static double sweep(const bucket *buckets, uint32_t count, ht_split *split) {
-    htree_box right_box[MAX_BUCKETS];
-    htree_box box = ht_box_empty();
+static void bucket_merge(bucket *b, const bucket *other) {
+    for (int k = 0; k < 4; ++k) b->lo[k] = ht_min(b->lo[k], other->lo[k]);
+    for (int k = 0; k < 4; ++k) b->hi[k] = ht_max(b->hi[k], other->hi[k]);
+    b->count += other->count;
+}
+
+static htree_box merged_box(const bucket *buckets, uint32_t count) {
+    bucket all = buckets[0];
+    for (uint32_t b = 1; b < count; ++b) bucket_merge(&all, &buckets[b]);
+    return bucket_box(&all);
+}
+
+static double bucket_area(const bucket *b) {
+    const htree_box box = bucket_box(b);
+    return (double)ht_box_area(&box);
+}
+
+/* The two sweeps: areas of everything right of each plane, then of everything left of it. Sets plane,
+ * left_count and both boxes to the minimum of eq. 1 and returns its cost, undivided by SA, which all
+ * planes and axes share. */
+static double sweep(const bucket *buckets, ht_split *split) {
+    double right_cost[MAX_BUCKETS];
+    bucket side;
+    bucket_clear(&side);
     for (uint32_t b = split->buckets - 1; b > 0; --b) {
-        const htree_box own = bucket_box(&buckets[b]);
-        ht_box_add(&box, &own);
-        right_box[b] = box;
+        bucket_merge(&side, &buckets[b]);
+        right_cost[b] = (double)side.count * bucket_area(&side);
     }
-    box = ht_box_empty();
-    uint32_t left_count = 0;
+    bucket_clear(&side);
     double cheapest = INFINITY;
     for (uint32_t plane = 1; plane < split->buckets; ++plane) {
-        const htree_box own = bucket_box(&buckets[plane - 1]);
-        ht_box_add(&box, &own);
-        left_count += buckets[plane - 1].count;
-        const double cost = (double)left_count * (double)ht_box_area(&box) +
-                            (double)(count - left_count) * (double)ht_box_area(&right_box[plane]);
+        bucket_merge(&side, &buckets[plane - 1]);
+        const double cost = (double)side.count * bucket_area(&side) + right_cost[plane];
         if (cost < cheapest) {
             cheapest = cost;
             split->plane = plane;
-            split->left_count = left_count;
-            split->left = box;
-            split->right = right_box[plane];
+            split->left_count = side.count;
         }
     }
+    if (cheapest == INFINITY) return cheapest;
+    split->left = merged_box(buckets, split->plane);
+    split->right = merged_box(buckets + split->plane, split->buckets - split->plane);
     return cheapest;
 }
 
@@ -121,46 +135,39 @@ static void sort_by_centroid(ht_prim *prims, uint32_t count, uint32_t axis) {
     }
 }
 
-/* The minimum of eq. 1 over all splits of prims in this order. */
-static double sweep_in_order(const ht_prim *prims, uint32_t count, ht_split *split) {
-    htree_box right_box[FEW_PRIMS];
-    htree_box box = ht_box_empty();
-    for (uint32_t i = count - 1; i > 0; --i) {
-        ht_box_add_point(&box, prims[i].lo);
-        ht_box_add_point(&box, prims[i].hi);
-        right_box[i] = box;
-    }
-    box = ht_box_empty();
-    double cheapest = INFINITY;
-    for (uint32_t left = 1; left < count; ++left) {
-        ht_box_add_point(&box, prims[left - 1].lo);
-        ht_box_add_point(&box, prims[left - 1].hi);
-        const double cost = (double)left * (double)ht_box_area(&box) +
-                            (double)(count - left) * (double)ht_box_area(&right_box[left]);
-        if (cost < cheapest) {
-            cheapest = cost;
-            split->left_count = left;
-            split->left = box;
-            split->right = right_box[left];
-        }
-    }
-    return cheapest;
+/* Half of all splits are of two prims, and there is nothing to choose. */
+static void split_two(ht_prim *prims, uint32_t axis, ht_split *split) {
+    sort_by_centroid(prims, 2, axis);
+    split->axis = axis;
+    split->plane = 0;
+    split->left_count = 1;
+    split->left = ht_prims_box(prims, 1);
+    split->right = ht_prims_box(prims + 1, 1);
 }
 
+/* A bucket for every prim, in order of the centroids. */
 static void split_exactly(ht_prim *prims, uint32_t count, uint32_t widest, uint32_t axes,
                           ht_split *split) {
+    bucket buckets[FEW_PRIMS];
     double cheapest = INFINITY;
     for (uint32_t i = 0; i < axes; ++i) {
         ht_split candidate = {0};
         candidate.axis = (widest + i) % 3;
+        candidate.buckets = count;
         sort_by_centroid(prims, count, candidate.axis);
-        const double cost = sweep_in_order(prims, count, &candidate);
+        for (uint32_t k = 0; k < count; ++k) {
+            memcpy(buckets[k].lo, prims[k].lo, sizeof buckets[k].lo);
+            memcpy(buckets[k].hi, prims[k].hi, sizeof buckets[k].hi);
+            buckets[k].count = 1;
+        }
+        const double cost = sweep(buckets, &candidate);
         if (cost < cheapest) {
             cheapest = cost;
             *split = candidate;
         }
     }
     if (axes > 1) sort_by_centroid(prims, count, split->axis);
+    split->plane = 0; /* the prims stand in order already */
 }
 
 static bool levels_are_scarce(uint32_t count, uint32_t levels) {
@@ -174,6 +181,10 @@ HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uin
     const htree_box centroids = ht_centroid_bounds(prims, count);
     const uint32_t widest = (uint32_t)ht_widest_axis(&centroids);
     const uint32_t axes = levels_are_scarce(count, levels) ? 0 : options->axes;
+    if (count == 2) {
+        split_two(prims, widest, split);
+        return;
+    }
     if (axes > 0 && count <= FEW_PRIMS) {
         split_exactly(prims, count, widest, axes, split);
         return;
@@ -184,7 +195,7 @@ HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uin
         candidate.buckets = bucket_count(options, count);
         if (!split_scale(&candidate, (widest + i) % 3, &centroids)) continue;
         fill_buckets(&candidate, prims, count, buckets);
-        const double cost = sweep(buckets, count, &candidate);
+        const double cost = sweep(buckets, &candidate);
         if (cost < cheapest) {
             cheapest = cost;
             *split = candidate;

@@ -1,0 +1,75 @@
+/* option.c: every value is checked before a program starts to work. */
+#include "option.h"
+
+#include "shapes.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+bool option_wrong(const char *program, const char *text, ...) {
+    va_list arguments;
+    va_start(arguments, text);
+    fprintf(stderr, "%s: ", program);
+    vfprintf(stderr, text, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+    return false;
+}
+
+/* strtoull alone would take signs and blanks. */
+bool option_number(const char *text, char stop, uint64_t lo, uint64_t hi, uint64_t *value) {
+    char *end = NULL;
+    if (*text < '0' || *text > '9') return false;
+    errno = 0;
+    *value = strtoull(text, &end, 10);
+    return errno == 0 && *end == stop && *value >= lo && *value <= hi;
+}
+
+bool option_u32(const char *program, const char *option, const char *text, uint64_t lo, uint64_t hi,
+                uint32_t *value) {
+    uint64_t number;
+    if (!option_number(text, 0, lo, hi, &number))
+        return option_wrong(program, "--%s %s: give a whole number from %llu to %llu", option, text,
+                            (unsigned long long)lo, (unsigned long long)hi);
+    *value = (uint32_t)number;
+    return true;
+}
+
+bool option_size(const char *program, const char *text, uint32_t *width, uint32_t *height) {
+    uint64_t w, h;
+    const char *x = strchr(text, 'x');
+    if (!x || !option_number(text, 'x', 1, 16384, &w) || !option_number(x + 1, 0, 1, 16384, &h))
+        return option_wrong(
+            program, "--size %s: give WIDTHxHEIGHT, each from 1 to 16384, such as 640x480", text);
+    *width = (uint32_t)w;
+    *height = (uint32_t)h;
+    return true;
+}
+
+bool option_shape(const char *text, char *name, uint64_t *triangles) {
+    const size_t length = strcspn(text, ":");
+    snprintf(name, 32, "%.*s", (int)(length < 31 ? length : 31), text);
+    if (!shape_text(name)) return false;
+    *triangles = shape_default_triangles(name);
+    return !text[length] || option_number(text + length + 1, 0, 0, 1 << 30, triangles);
+}
+
+/* getopt names a short option by its letter, and leaves a long one at the word before optind. */
+void option_complain(const char *program, int answer, char **argv) {
+    const char letter[3] = {'-', (char)optopt, 0};
+    const bool is_short = optopt > 0 && optopt < 256 && argv[optind - 1][1] != '-';
+    option_wrong(program,
+                 answer == ':' ? "option %s needs a value; see --help"
+                               : "unknown option %s; see --help",
+                 is_short ? letter : argv[optind - 1]);
+}
+
+uint32_t option_threads(uint32_t threads) {
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    return threads ? threads : cores > 0 ? (uint32_t)cores : 1;
+}
