@@ -48,7 +48,7 @@ static htree_status build_h_tree(ah_build *build, ht_prim *prims, uint32_t count
     ht_prim *spare = (ht_prim *)ht_stack_push(&build->scratch, count * sizeof(ht_prim));
     if (!spare) return HTREE_ERROR_MEMORY;
     htree_box box = *traversal;
-    ht_h_node *bound;
+    uint32_t bound;
     if (count > 1) {
         /* The root of a subtree has no split yet to compare a bounding node with: not bounding costs N. */
         const htree_options *options = build->writer.builder->options;
@@ -127,7 +127,7 @@ static bool leaves_grid(const ah_set *set, const ah_node *node) {
 }
 
 static htree_status build_shelf(const ah_set *set, const ah_node *node, uint32_t *oversize,
-                                uint32_t count, ht_h_node *skd, htree_box *exact) {
+                                uint32_t count, uint32_t skd, htree_box *exact) {
     if (count == 0) return HTREE_OK;
     ah_node shelf = *node;
     htree_box box;
@@ -135,7 +135,7 @@ static htree_status build_shelf(const ah_set *set, const ah_node *node, uint32_t
     shelf.oversize = oversize;
     shelf.oversize_count = count;
     shelf.level = node->level + 2; /* both other children wait meanwhile */
-    skd->tag |= ht_h_next_slot(&set->build->writer) << HT_H_TAG_BITS;
+    ht_h_node_at(&set->build->writer, skd)->tag |= set->build->writer.used << HT_H_TAG_BITS;
     HT_TRY(
         build_gathered(set, &shelf, count > set->build->writer.builder->options->few_prims, &box));
     ht_box_add(exact, &box);
@@ -143,11 +143,12 @@ static htree_status build_shelf(const ah_set *set, const ah_node *node, uint32_t
 }
 
 /* Sets the planes of an SKD node: exact ones, or those of the grid as long as they hold. */
-static void set_planes(const ah_set *set, ht_h_node *skd, uint32_t axis, float loose_left,
+static void set_planes(const ah_set *set, uint32_t skd, uint32_t axis, float loose_left,
                        float loose_right, const htree_box *left, const htree_box *right) {
     const bool loose = (set->build->writer.builder->options->flags & HTREE_LOOSE_PLANES) != 0;
-    skd->a = loose ? ht_max(loose_left, left->hi[axis]) : left->hi[axis];
-    skd->b = loose ? ht_min(loose_right, right->lo[axis]) : right->lo[axis];
+    ht_h_node *node = ht_h_node_at(&set->build->writer, skd);
+    node->a = loose ? ht_max(loose_left, left->hi[axis]) : left->hi[axis];
+    node->b = loose ? ht_min(loose_right, right->lo[axis]) : right->lo[axis];
 }
 
 static htree_status build_split(const ah_set *set, ah_node *node, const ht_cut *cut,
@@ -156,7 +157,7 @@ static htree_status build_split(const ah_set *set, ah_node *node, const ht_cut *
     const uint32_t axis = cut->axis;
     ah_node left = *node, right = *node;
     htree_box left_exact, right_exact;
-    ht_h_node *skd;
+    uint32_t skd;
     HT_TRY(ht_h_write_skd(writer, axis, &skd));
     left.cells.end[axis] = cut->plane;
     right.cells.first[axis] = cut->plane;
@@ -172,7 +173,7 @@ static htree_status build_split(const ah_set *set, ah_node *node, const ht_cut *
     const uint32_t shelf_count = node->oversize_count - left.oversize_count - right.oversize_count;
 
     HT_TRY(build_node(set, &left, &left_exact));
-    skd->child = ht_h_next_slot(writer);
+    ht_h_node_at(writer, skd)->child = writer->used;
     HT_TRY(build_node(set, &right, &right_exact));
     set_planes(set, skd, axis, cut->left_hi, cut->right_lo, &left_exact, &right_exact);
     *exact = left_exact;
@@ -204,14 +205,16 @@ static htree_status build_node(const ah_set *set, ah_node *node, htree_box *exac
     const htree_box tight = node_box(set, node);
     const htree_options *options = writer->builder->options;
     ht_cut cut;
-    ht_h_node *bound = NULL;
+    uint32_t bound;
     ht_find_cut(set->grid, &node->cells, node->small, &tight, &cut);
     const float skd_cost = ht_cost_skd(options, &node->traversal, cut.axis, cut.left_hi,
                                        cut.right_lo, cut.left_count, node->small - cut.left_count);
     HT_TRY(ht_h_maybe_bound(writer, skd_cost, &tight, node->small + node->oversize_count,
                             &node->traversal, &bound));
     HT_TRY(build_split(set, node, &cut, exact));
-    if (bound && !(options->flags & HTREE_LOOSE_PLANES)) ht_h_rebound(bound, exact);
+    if (bound != HT_H_NO_SLOT && !(options->flags & HTREE_LOOSE_PLANES)) {
+        ht_h_rebound(ht_h_node_at(writer, bound), exact);
+    }
     return HTREE_OK;
 }
 
@@ -247,10 +250,11 @@ static htree_status build_nodes(ah_build *build) {
     const ht_builder *builder = build->writer.builder;
     const htree *tree = builder->tree;
     htree_box exact;
-    ht_h_node *root;
+    uint32_t root;
     HT_TRY(ht_h_write_bound(&build->writer, HT_ALL_PLANES, &tree->bounds, &root));
     HT_TRY(build_set(build, builder->prims, tree->prim_count, &tree->bounds, 0, &exact));
-    return ht_h_writer_finish(&build->writer);
+    ht_h_writer_finish(&build->writer);
+    return HTREE_OK;
 }
 
 htree_status ht_build_ah(ht_builder *builder) {

@@ -49,8 +49,8 @@ static htree_status build_bvh(ht_builder *builder, bool median) {
     }
     bvh_build build = {builder, median, NULL, 0};
     tree->node_slots = 2 * tree->prim_count - 1;
-    tree->node_slot_bytes = sizeof(ht_bvh_node);
-    tree->nodes = ht_allocate(&tree->memory, (uint64_t)tree->node_slots * sizeof(ht_bvh_node));
+    tree->node_bytes = (uint64_t)tree->node_slots * sizeof(ht_bvh_node);
+    tree->nodes = ht_allocate(&tree->memory, tree->node_bytes);
     if (!tree->nodes || !ht_builder_spare(builder)) return HTREE_ERROR_MEMORY;
     build.nodes = (ht_bvh_node *)tree->nodes;
     HT_TRY(subtree(&build, 0, 1, 0, tree->prim_count, &tree->bounds, 0));

@@ -39,7 +39,7 @@ HT_INLINE float cut_area(float (*extent)[4], uint32_t planes) {
 }
 
 htree_status ht_h_maybe_bound(ht_h_writer *writer, float skd_cost, const htree_box *tight,
-                              uint32_t count, htree_box *traversal, ht_h_node **node) {
+                              uint32_t count, htree_box *traversal, uint32_t *slot) {
     const htree_options *options = writer->builder->options;
     const bool any = (options->flags & HTREE_ANY_PLANES) != 0;
     const uint32_t sets = any ? HT_ALL_PLANES : sizeof paper_sets;
@@ -47,7 +47,7 @@ htree_status ht_h_maybe_bound(ht_h_writer *writer, float skd_cost, const htree_b
     float extent[3][4];
     float cheapest = skd_cost;
     uint32_t chosen = 0;
-    *node = NULL;
+    *slot = HT_H_NO_SLOT;
     cut_extents(traversal, tight, extent);
     for (uint32_t i = 0; i < sets; ++i) {
         const uint32_t planes = any ? i + 1 : paper_sets[i];
@@ -61,7 +61,7 @@ htree_status ht_h_maybe_bound(ht_h_writer *writer, float skd_cost, const htree_b
     }
     if (!chosen) return HTREE_OK;
     ht_cut_by_planes(traversal, chosen, tight);
-    return ht_h_write_bound(writer, chosen, tight, node);
+    return ht_h_write_bound(writer, chosen, tight, slot);
 }
 
 htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, uint32_t count,
@@ -69,7 +69,7 @@ htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, u
     if (count == 1) return ht_h_write_leaf(writer, ht_prim_id(prims), level);
     const htree_options *options = writer->builder->options;
     ht_split split;
-    ht_h_node *bound, *node;
+    uint32_t bound, slot;
     htree_box box = *traversal;
     ht_split_find(options, prims, count, HT_MAX_DEPTH - level, &split);
     ht_split_apply(&split, prims, spare, count);
@@ -79,13 +79,14 @@ htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, u
                                            split.right.lo[axis], left, count - left);
         HT_TRY(ht_h_maybe_bound(writer, skd_cost, tight, count, &box, &bound));
     }
-    HT_TRY(ht_h_write_skd(writer, axis, &node));
+    HT_TRY(ht_h_write_skd(writer, axis, &slot));
+    ht_h_node *node = ht_h_node_at(writer, slot);
     node->a = split.left.hi[axis];
     node->b = split.right.lo[axis];
-    const htree_box left_box = ht_cut_above(&box, axis, node->a);
+    const htree_box left_box = ht_cut_above(&box, axis, split.left.hi[axis]);
     HT_TRY(ht_h_subtree(writer, prims, spare, left, &split.left, &left_box, level + 1));
-    node->child = ht_h_next_slot(writer);
-    const htree_box right_box = ht_cut_below(&box, axis, node->b);
+    ht_h_node_at(writer, slot)->child = writer->used;
+    const htree_box right_box = ht_cut_below(&box, axis, split.right.lo[axis]);
     return ht_h_subtree(writer, prims + left, spare, count - left, &split.right, &right_box,
                         level + 1);
 }
@@ -95,11 +96,12 @@ htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, u
 static htree_status build_nodes(ht_h_writer *writer, ht_prim *spare) {
     const ht_builder *builder = writer->builder;
     const htree *tree = builder->tree;
-    ht_h_node *root;
+    uint32_t root;
     if (writer->bounding) HT_TRY(ht_h_write_bound(writer, HT_ALL_PLANES, &tree->bounds, &root));
     HT_TRY(ht_h_subtree(writer, builder->prims, spare, tree->prim_count, &tree->bounds,
                         &tree->bounds, 0));
-    return ht_h_writer_finish(writer);
+    ht_h_writer_finish(writer);
+    return HTREE_OK;
 }
 
 static htree_status build_h(ht_builder *builder, bool bounding) {

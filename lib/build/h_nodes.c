@@ -1,87 +1,89 @@
 #include "h_nodes.h"
 
-/* ---- Chunks ---- */
+/* ---- Slots ---- */
 
-static htree_status chunk_begin(ht_h_writer *writer) {
-    assert(writer->chunk_count < writer->chunk_capacity);
-    const uint64_t bytes = HT_H_CHUNK_SLOTS * sizeof(ht_h_node);
-    ht_h_node *chunk = (ht_h_node *)ht_allocate(&writer->builder->tree->memory, bytes);
-    if (!chunk) return HTREE_ERROR_MEMORY;
-    writer->chunks[writer->chunk_count++] = chunk;
-    writer->used = 0;
-    return HTREE_OK;
+/* Three slots an object hold nearly every tree; four and the links of the chunks hold any (section 6.2). */
+static uint64_t usual_slots(uint64_t prims) {
+    return 3 * prims + HT_H_CHUNK_SLOTS;
 }
 
-uint32_t ht_h_next_slot(const ht_h_writer *writer) {
-    return (writer->chunk_count - 1) * HT_H_CHUNK_SLOTS + writer->used;
-}
-
-/* Takes `slots` slots in a row; the last slot of a chunk is kept for the link to the next one. */
-static htree_status take_slots(ht_h_writer *writer, uint32_t slots, ht_h_node **node) {
-    if (writer->used + slots >= HT_H_CHUNK_SLOTS) {
-        ht_h_node *link = &writer->chunks[writer->chunk_count - 1][writer->used];
-        const uint32_t unused = HT_H_CHUNK_SLOTS - writer->used - 1;
-        memset(link, 0, (unused + 1) * sizeof *link);
-        HT_TRY(chunk_begin(writer));
-        link->child = ht_h_next_slot(writer);
-        link->tag = HT_H_LINK;
-    }
-    *node = &writer->chunks[writer->chunk_count - 1][writer->used];
-    memset(*node, 0, slots * sizeof **node);
-    writer->used += slots;
-    return HTREE_OK;
+static uint64_t most_slots(uint64_t prims) {
+    return (4 * prims + 2) / (HT_H_CHUNK_SLOTS - 2) * HT_H_CHUNK_SLOTS + 2 * HT_H_CHUNK_SLOTS;
 }
 
 htree_status ht_h_writer_begin(ht_h_writer *writer, ht_builder *builder, bool bounding) {
+    const uint64_t prims = builder->tree->prim_count;
     memset(writer, 0, sizeof *writer);
     writer->builder = builder;
     writer->bounding = bounding;
-    /* At most 4 slots an object (section 6.2). Slots of shelves have 28 bits beside the tag. */
-    const uint64_t most_slots = 4 * (uint64_t)builder->tree->prim_count + 2;
-    const uint64_t most_chunks = most_slots / (HT_H_CHUNK_SLOTS - 2) + 1;
-    if (most_chunks * HT_H_CHUNK_SLOTS > HT_H_SLOTS) {
+    /* Slots of shelves have 28 bits beside the tag. */
+    if (most_slots(prims) > HT_H_SLOTS) {
         return ht_fail(HTREE_ERROR_LIMIT, "an H-tree holds at most 2^26 - 2^18 objects");
     }
-    writer->chunk_capacity = (uint32_t)most_chunks;
-    writer->chunks =
-        (ht_h_node **)ht_allocate(&builder->tree->memory, most_chunks * sizeof *writer->chunks);
-    return writer->chunks ? chunk_begin(writer) : HTREE_ERROR_MEMORY;
+    writer->capacity = (uint32_t)usual_slots(prims);
+    writer->nodes =
+        (ht_h_node *)ht_allocate(&builder->tree->memory, writer->capacity * sizeof(ht_h_node));
+    return writer->nodes ? HTREE_OK : HTREE_ERROR_MEMORY;
 }
 
 void ht_h_writer_end(ht_h_writer *writer) {
-    ht_memory *memory = &writer->builder->tree->memory;
-    for (uint32_t i = 0; i < writer->chunk_count; ++i) {
-        ht_release(memory, writer->chunks[i], HT_H_CHUNK_SLOTS * sizeof(ht_h_node));
-    }
-    ht_release(memory, writer->chunks, writer->chunk_capacity * sizeof *writer->chunks);
+    ht_release(&writer->builder->tree->memory, writer->nodes, writer->capacity * sizeof(ht_h_node));
+    writer->nodes = NULL;
 }
 
-htree_status ht_h_writer_finish(ht_h_writer *writer) {
+void ht_h_writer_finish(ht_h_writer *writer) {
     htree *tree = writer->builder->tree;
-    tree->node_slots = ht_h_next_slot(writer);
-    tree->node_slot_bytes = sizeof(ht_h_node);
+    tree->nodes = writer->nodes;
+    tree->node_slots = writer->used;
+    tree->node_bytes = writer->capacity * sizeof(ht_h_node);
     tree->stack = writer->deepest;
-    tree->nodes = ht_allocate(&tree->memory, (uint64_t)tree->node_slots * sizeof(ht_h_node));
-    if (!tree->nodes) return HTREE_ERROR_MEMORY;
-    for (uint32_t i = 0; i < writer->chunk_count; ++i) {
-        const uint32_t slots = i + 1 < writer->chunk_count ? HT_H_CHUNK_SLOTS : writer->used;
-        memcpy((ht_h_node *)tree->nodes + (size_t)i * HT_H_CHUNK_SLOTS, writer->chunks[i],
-               slots * sizeof(ht_h_node));
+    writer->nodes = NULL;
+}
+
+static htree_status grow(ht_h_writer *writer) {
+    htree *tree = writer->builder->tree;
+    const uint32_t capacity = (uint32_t)most_slots(tree->prim_count);
+    ht_h_node *nodes = (ht_h_node *)ht_allocate(&tree->memory, capacity * sizeof *nodes);
+    if (!nodes) return HTREE_ERROR_MEMORY;
+    memcpy(nodes, writer->nodes, writer->used * sizeof *nodes);
+    ht_h_writer_end(writer);
+    writer->nodes = nodes;
+    writer->capacity = capacity;
+    return HTREE_OK;
+}
+
+/* Takes `slots` slots in a row. A node does not straddle chunks: the last slot of each links to the next,
+ * so that a chunk may lie anywhere. */
+static htree_status take_slots(ht_h_writer *writer, uint32_t slots, uint32_t *first) {
+    /* A link takes two slots at most, and a node as many. */
+    if (writer->used + 4 > writer->capacity) HT_TRY(grow(writer));
+    const uint32_t room = HT_H_CHUNK_SLOTS - writer->used % HT_H_CHUNK_SLOTS;
+    if (slots >= room) {
+        ht_h_node *link = &writer->nodes[writer->used];
+        memset(link, 0, room * sizeof *link);
+        writer->used += room;
+        link->child = writer->used;
+        link->tag = HT_H_LINK;
     }
+    *first = writer->used;
+    writer->used += slots;
+    assert(writer->used <= writer->capacity);
+    memset(&writer->nodes[*first], 0, slots * sizeof *writer->nodes);
     return HTREE_OK;
 }
 
 /* ---- Nodes ---- */
 
-htree_status ht_h_write_skd(ht_h_writer *writer, uint32_t axis, ht_h_node **node) {
-    HT_TRY(take_slots(writer, 1, node));
-    (*node)->tag = HT_H_SKD + axis;
+htree_status ht_h_write_skd(ht_h_writer *writer, uint32_t axis, uint32_t *slot) {
+    HT_TRY(take_slots(writer, 1, slot));
+    ht_h_node_at(writer, *slot)->tag = HT_H_SKD + axis;
     return HTREE_OK;
 }
 
 htree_status ht_h_write_leaf(ht_h_writer *writer, uint32_t prim, uint32_t level) {
-    ht_h_node *node;
-    HT_TRY(take_slots(writer, 1, &node));
+    uint32_t slot;
+    HT_TRY(take_slots(writer, 1, &slot));
+    ht_h_node *node = ht_h_node_at(writer, slot);
     node->child = prim;
     node->tag = HT_H_LEAF;
     if (level > writer->deepest) writer->deepest = level;
@@ -89,18 +91,14 @@ htree_status ht_h_write_leaf(ht_h_writer *writer, uint32_t prim, uint32_t level)
 }
 
 htree_status ht_h_write_bound(ht_h_writer *writer, uint32_t planes, const htree_box *box,
-                              ht_h_node **node) {
+                              uint32_t *slot) {
     const uint32_t axis = ht_slab_axis(planes);
-    const uint32_t slots = ht_plane_count(planes) > 3 ? 2 : 1;
-    HT_TRY(take_slots(writer, slots, node));
-    if (axis < 3) {
-        (*node)->tag = HT_H_BV2 + axis;
-    } else if (planes == HT_ALL_PLANES) {
-        (*node)->tag = HT_H_BV6;
-    } else {
-        (*node)->tag = HT_H_BVO | planes << HT_H_TAG_BITS;
-    }
-    ht_h_rebound(*node, box);
+    HT_TRY(take_slots(writer, ht_plane_count(planes) > 3 ? 2 : 1, slot));
+    ht_h_node *node = ht_h_node_at(writer, *slot);
+    node->tag = axis < 3                  ? HT_H_BV2 + axis
+                : planes == HT_ALL_PLANES ? HT_H_BV6
+                                          : HT_H_BVO | planes << HT_H_TAG_BITS;
+    ht_h_rebound(node, box);
     return HTREE_OK;
 }
 

@@ -229,7 +229,7 @@ static htree_status build_nodes(kd_build *build) {
     HT_TRY(subtree(build, &lists, &tree->bounds, 0, REFERENCE_BUDGET * (double)tree->prim_count));
     HT_TRY(ht_array_finish(&build->nodes, &tree->nodes));
     tree->node_slots = (uint32_t)build->nodes.count;
-    tree->node_slot_bytes = sizeof(ht_kd_node);
+    tree->node_bytes = (uint64_t)tree->node_slots * sizeof(ht_kd_node);
     void *refs;
     HT_TRY(ht_array_finish(&build->refs, &refs));
     tree->refs = (uint32_t *)refs;

@@ -50,7 +50,7 @@ static void write_defaults(htree_options *options, htree_kind kind) {
     options->cost_bv2 = 1.0f;
     options->cost_bv6 = 1.2f;
     options->cost_intersect = 1.2f;
-    options->cells_per_prim = 2;
+    options->cells_per_prim = 0.5f;
     options->few_prims = 300;
     resolve_preset(options);
 }

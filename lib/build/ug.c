@@ -132,8 +132,8 @@ htree_status ht_build_ug(ht_builder *builder) {
     choose_cells(builder, margin);
     builder->progress.total *= 2;
     tree->node_slots = tree->grid.cells[0] * tree->grid.cells[1] * tree->grid.cells[2] + 1;
-    tree->node_slot_bytes = sizeof(ht_ug_node);
-    tree->nodes = ht_allocate(&tree->memory, (uint64_t)tree->node_slots * sizeof(ht_ug_node));
+    tree->node_bytes = (uint64_t)tree->node_slots * sizeof(ht_ug_node);
+    tree->nodes = ht_allocate(&tree->memory, tree->node_bytes);
     if (!tree->nodes) return HTREE_ERROR_MEMORY;
     return fill(builder, margin);
 }

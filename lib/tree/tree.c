@@ -25,7 +25,7 @@ bool ht_prim_is_hittable(const htree *tree, uint32_t prim) {
 void htree_free(htree *tree) {
     if (!tree) return;
     ht_memory memory = tree->memory;
-    ht_release(&memory, tree->nodes, (uint64_t)tree->node_slots * tree->node_slot_bytes);
+    ht_release(&memory, tree->nodes, tree->node_bytes);
     ht_release(&memory, tree->refs, tree->ref_count * sizeof *tree->refs);
     ht_release(&memory, tree->object_boxes, tree->object_count * sizeof *tree->object_boxes);
     ht_release(&memory, tree->triangles, tree->triangle_count * sizeof *tree->triangles);
