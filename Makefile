@@ -42,6 +42,7 @@ say = @printf '%-8s %s\n' $(1) $(2)
 have = $(shell $(PKG_CONFIG) --exists $(1) 2>/dev/null && echo yes)
 HAVE_PNG := $(call have,libpng)
 HAVE_ASSIMP := $(call have,assimp)
+HAVE_WEBP := $(call have,libwebpmux)
 HAVE_CMOCKA := $(call have,cmocka)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
@@ -56,6 +57,8 @@ SHARED := $(B)/libhtree.so.$(VERSION)
 PROGRAMS := $(B)/minimal
 ifeq ($(HAVE_PNG),yes)
 PROGRAMS += $(B)/htree-render
+PROGRAMS += $(B)/htree-table1 $(B)/htree-visibility
+PROGRAMS += $(B)/htree-animate
 endif
 TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC))
 
@@ -71,6 +74,9 @@ endif
 ifneq ($(HAVE_ASSIMP),yes)
 	@echo "note: htree-render reads PLY only: assimp is missing (apt-get install libassimp-dev)"
 endif
+ifneq ($(HAVE_WEBP),yes)
+	@echo "note: htree-animate writes no WebP: libwebp is missing (apt-get install libwebp-dev)"
+endif
 
 lib: $(STATIC) $(SHARED) ## the library alone: needs a C compiler and nothing else
 
@@ -84,12 +90,14 @@ PNG_CFLAGS := $(if $(HAVE_PNG),$(shell $(PKG_CONFIG) --cflags libpng))
 PNG_LIBS := $(if $(HAVE_PNG),$(shell $(PKG_CONFIG) --libs libpng))
 ASSIMP_CFLAGS := $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP $(shell $(PKG_CONFIG) --cflags assimp))
 ASSIMP_LIBS := $(if $(HAVE_ASSIMP),$(shell $(PKG_CONFIG) --libs assimp))
+WEBP_CFLAGS := $(if $(HAVE_WEBP),-DHAVE_WEBP $(shell $(PKG_CONFIG) --cflags libwebpmux libwebp))
+WEBP_LIBS := $(if $(HAVE_WEBP),$(shell $(PKG_CONFIG) --libs libwebpmux libwebp))
 
 $(B)/examples/%.o: examples/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Iexamples/common $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
-	    $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	    $(WEBP_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # White-box tests may see the internal headers, so tests link the static library.
 $(B)/tests/%.o: tests/%.c Makefile
@@ -115,9 +123,12 @@ $(B)/minimal: $(B)/examples/minimal.o $(STATIC)
 
 $(B)/htree-%: $(B)/examples/%.o $(call obj,$(COMMON_SRC)) $(STATIC)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LINK) -o $@ $^ $(PNG_LIBS) $(ASSIMP_LIBS) -lm -lpthread
+	$(Q)$(CC) $(LINK) -o $@ $^ $(PNG_LIBS) $(ASSIMP_LIBS) $(WEBP_LIBS) -lm -lpthread
 
-$(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC)) $(B)/examples/common/shapes.o $(STATIC)
+# Of the examples, tests link what needs nothing but libc and libm.
+TEST_EXAMPLE_SRC := $(sort $(wildcard examples/common/aff*.c)) \
+    $(patsubst %,examples/common/%.c,camera cone decimal shapes spline subdivide)
+$(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
 
@@ -131,6 +142,14 @@ run: all ## render the gallery (or MESH=path) and its heat maps into build/$(con
 bench: all ## time every kind on the built-in scenes (or MESH=path)
 	$(Q)sh tests/bench/bench.sh $(B)/htree-render $(OUT) $(MESH)
 
+table1: all ## the paper's Table 1 with its figures beside ours, over the meshes in HTREE_SCENES
+	@mkdir -p $(OUT)
+	$(Q)$(B)/htree-table1 --json $(OUT)/table1.json --csv $(OUT)/table1.csv >$(OUT)/table1.txt
+	@cat $(OUT)/table1.txt
+
+plots: all ## plots of growth, times, heat maps and precision, by gnuplot, after table1
+	$(Q)sh examples/plots.sh $(B)/htree-table1 $(B)/htree-render $(OUT)
+
 # ---- Check ----------------------------------------------------------------------------------------
 tests: $(TESTS) ## build the test programs
 ifneq ($(HAVE_CMOCKA),yes)
@@ -141,6 +160,7 @@ test: all tests ## run the test programs of this config
 	$(Q)sh tests/run.sh $(config)
 
 check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, symbols
+	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
 	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan house
@@ -153,7 +173,7 @@ FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' 2>/dev/null)
 format: ## format all C sources in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
 
-PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev
+PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev libwebp-dev gnuplot-nox
 deps: ## install the Debian packages that are missing
 	$(Q)sh examples/deps.sh $(PACKAGES)
 
@@ -178,8 +198,8 @@ clean: ## remove build/
 
 help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 14
+	@sed -n 's/^\([a-z0-9]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 14
 
-.PHONY: print-packages all lib run bench tests test check layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench table1 plots tests test check layers format deps install uninstall clean help
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

@@ -29,6 +29,18 @@ static htree_mesh plain_mesh(const float *xyz, uint64_t triangles) {
     return mesh;
 }
 
+/* The least of three builds: what else runs on the machine only ever adds. */
+static double build_seconds(const htree_mesh *mesh, const htree_options *options) {
+    double least = 1e9;
+    for (int i = 0; i < 3; ++i) {
+        htree *const tree = tree_of(mesh, options);
+        const double took = stats_of(tree).build_seconds;
+        if (took < least) least = took;
+        htree_free(tree);
+    }
+    return least;
+}
+
 static htree_stats compare(const htree_mesh *mesh, const htree_options *options, uint64_t rays) {
     htree *const tree = tree_of(mesh, options);
     const ray_target target = ray_target_of(mesh);
@@ -61,12 +73,13 @@ static void oversize_objects_wait_on_shelves(void **state) {
         const htree_mesh mesh = plain_mesh(xyz, n);
         htree_options options = options_of(HTREE_AH);
         const htree_stats stats = compare(&mesh, &options, scaled(2000));
-        if (i == 0) uniform = stats.build_seconds;
+        const double seconds = build_seconds(&mesh, &options);
+        if (i == 0) uniform = seconds;
         say("1 in %u oversize: %llu shelves, built in %.2f of the time of none", one_in[i],
-            (unsigned long long)stats.ternary_nodes, stats.build_seconds / uniform);
+            (unsigned long long)stats.ternary_nodes, seconds / uniform);
         if (one_in[i] == 100 && n > 10000) assert_true(stats.ternary_nodes > 0);
 #ifndef SUITE_SANITIZED
-        assert_true(stats.build_seconds <= 4 * uniform + 0.01);
+        assert_true(seconds <= 4 * uniform + 0.01);
 #endif
         options.flags = HTREE_LOOSE_PLANES;
         options.few_prims = 4;
