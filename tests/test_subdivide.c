@@ -1,5 +1,5 @@
-/* test_subdivide.c: Loop subdivision makes four triangles of one and one vertex per edge, keeps closed
- * meshes closed, opens no crack where a mesh is no plain surface, and has known limits. */
+/* test_subdivide.c: Loop subdivision makes four triangles of one and one vertex per edge, keeps
+ * closed meshes closed, opens no crack where a mesh is no plain surface, and has known limits. */
 #include "subdivide.h"
 #include "suite.h"
 

@@ -1,6 +1,10 @@
 #include "grid.h"
 #include "cells.h"
 
+/* Counts and sums of more cells than this leave the cache, and every prim would wait for memory twice.
+ * Large sets get crowded cells instead, and these a grid of their own: the paper's recursion. */
+static const double MOST_CELLS = 1 << 17;
+
 static uint32_t cell_index(const ht_grid *grid, const ht_prim *prim) {
     return (ht_grid_cell(grid, prim, 2) * grid->cells[1] + ht_grid_cell(grid, prim, 1)) *
                grid->cells[0] +
@@ -78,7 +82,9 @@ htree_status ht_grid_make(ht_grid *grid, ht_stack_memory *stack, const ht_prim *
                           uint32_t count, const htree_box *centroids, float cells_per_prim) {
     memset(grid, 0, sizeof *grid);
     grid->prims = prims;
-    set_cells(grid, centroids, (double)cells_per_prim * (double)count);
+    double wanted = (double)cells_per_prim * (double)count;
+    if (wanted > MOST_CELLS) wanted = MOST_CELLS;
+    set_cells(grid, centroids, wanted);
     const uint64_t total = (uint64_t)grid->cells[0] * grid->cells[1] * grid->cells[2];
     const uint64_t sums =
         ((uint64_t)grid->cells[0] + 1) * (grid->cells[1] + 1) * (grid->cells[2] + 1);
