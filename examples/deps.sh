@@ -1,7 +1,7 @@
 #!/bin/sh
 # deps.sh PACKAGE...: install the Debian packages that are missing, or say exactly what to install.
 #
-# Exit status: 0 if everything required is there. libassimp-dev is optional: without it, a warning.
+# Exit status: 0 if everything required is there. What is optional is worth a note.
 set -eu
 
 list_missing() {
@@ -36,11 +36,13 @@ fi
 
 required=
 for package in $missing; do
-    if [ "$package" = libassimp-dev ]; then
-        echo "note: htree-render will read PLY only (for more: apt-get install $package)" >&2
-    else
-        required="$required $package"
-    fi
+    case $package in
+    libassimp-dev) without="meshes other than PLY" ;;
+    libwebp-dev) without="animated pictures" ;;
+    gnuplot-nox) without="make plots" ;;
+    *) required="$required $package" && continue ;;
+    esac
+    echo "note: there will be no $without (apt-get install $package)" >&2
 done
 [ -n "$required" ] || exit 0
 echo "error: please run: sudo apt-get install$required" >&2

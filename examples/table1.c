@@ -1,6 +1,6 @@
-/* table1.c: htree-table1. The paper's Table 1 with today's figures, and two studies beside it: growth
- * with the number of triangles, and precision of the splits. A row is printed when its scene is done;
- * the files are written last.
+/* table1.c: htree-table1. The paper's Table 1 with today's figures, and two studies beside it:
+ * growth with the number of triangles, and precision of the splits. What is known is printed and
+ * written when a scene is done.
  *
  * SPDX-License-Identifier: MIT */
 #include "growth.h"
@@ -50,7 +50,7 @@ static measure_job make_job(const table1_args *args, const bench_scene *scene) {
     return job;
 }
 
-/* ---- The table --------------------------------------------------------------------------------- */
+/* ---- The table ------------------------------------------------------------------------------- */
 
 /* One answer: if the structures disagree about a single hit, their times mean nothing. */
 static bool same_answers(table1 *t, const table_block *block) {
@@ -90,6 +90,16 @@ static bool open_scene(table1 *t, uint32_t index, bench_scene *scene) {
                             t->error, sizeof t->error);
 }
 
+/* Written anew after every scene: a path that cannot be written fails early, and a run that is
+ * stopped keeps what it has. */
+static bool write_files(table1 *t) {
+    const table1_args *args = &t->args;
+    return (!args->json || table_write_json(t->blocks, t->block_count, t->machine, t->command,
+                                            args->json, t->error, sizeof t->error)) &&
+           (!args->csv ||
+            table_write_csv(t->blocks, t->block_count, args->csv, t->error, sizeof t->error));
+}
+
 static bool run_table(table1 *t) {
     const table1_args *args = &t->args;
     t->blocks = (table_block *)calloc(args->scene_count, sizeof *t->blocks);
@@ -102,15 +112,13 @@ static bool run_table(table1 *t) {
         if (!ok) return false;
         table_print_block(stdout, &t->blocks[t->block_count++]);
         fflush(stdout);
+        if (!write_files(t)) return false;
     }
-    table_print_averages(stdout, t->blocks, t->block_count);
-    return (!args->json || table_write_json(t->blocks, t->block_count, t->machine, t->command,
-                                            args->json, t->error, sizeof t->error)) &&
-           (!args->csv ||
-            table_write_csv(t->blocks, t->block_count, args->csv, t->error, sizeof t->error));
+    if (t->block_count > 1) table_print_averages(stdout, t->blocks, t->block_count);
+    return true;
 }
 
-/* ---- The studies ------------------------------------------------------------------------------- */
+/* ---- The studies ----------------------------------------------------------------------------- */
 
 static bool run_growth(table1 *t) {
     const table1_args *args = &t->args;

@@ -1,8 +1,8 @@
 /* aff.h: a reader for AFF, the text format of the BART scenes: includes, transforms that stand or
  * move, meshes, polygons, cones and triangles that move by themselves.
  *
- * Textures are left out, and so is `tt`'s: a surface has its material's colour. The library is not
- * needed, as the tests link this too. */
+ * Textures are left out: a surface has its material's colour. Needs nothing but libc and libm, as
+ * the tests link this too. */
 #ifndef EXAMPLES_AFF_H
 #define EXAMPLES_AFF_H
 
@@ -23,8 +23,8 @@ typedef struct aff_counts {
 
 typedef struct aff_scene aff_scene;
 
-/* Reads the file at `path` and what it includes, relative to the file that says so. False writes one
- * line, `file:line: what`, to `error`, and *out is NULL. The caller frees with aff_free. */
+/* Reads the file at `path` and what it includes, relative to the file that says so. False writes
+ * one line, `file:line: what`, to `error`, and *out is NULL. The caller frees with aff_free. */
 bool aff_read(aff_scene **out, const char *path, const aff_options *options, char *error,
               size_t size);
 void aff_free(aff_scene *scene);

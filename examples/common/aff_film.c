@@ -5,46 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Split triangles ---------------------------------------------------------------------------
- */
-
-uint32_t aff_grid_vertices(uint32_t split) {
-    const uint32_t n = 1u << split;
-    return (n + 1) * (n + 2) / 2;
-}
-
-uint32_t aff_grid_triangles(uint32_t split) {
-    return 1u << (2 * split);
-}
-
-/* Row j of the grid has n - j + 1 vertices, from the side a-b to the corner c. */
-static bool push_grid(aff_scene *s, uint32_t first, uint32_t material) {
-    const uint32_t n = 1u << s->split;
-    bool ok = true;
-    for (uint32_t j = 0, row = first; j < n; row += n - j + 1, ++j) {
-        for (uint32_t i = 0; i < n - j; ++i) {
-            const uint32_t a = row + i, c = row + n - j + 1 + i;
-            const uint32_t corner[6] = {a, a + 1, c, a + 1, c + 1, c};
-            for (int k = 0; k < (i + 1 < n - j ? 6 : 3); ++k)
-                ok = ok && aff_index_push(&s->corners, corner[k]);
-            for (int k = 0; k < (i + 1 < n - j ? 2 : 1); ++k)
-                ok = ok && aff_index_push(&s->surface, material);
-        }
-    }
-    return ok;
-}
-
-static bool push_patches(aff_scene *s) {
-    uint64_t first = s->vertices.count / 3;
-    bool ok = true;
-    for (size_t i = 0; ok && i < s->patches.count; ++i) {
-        ok = first < UINT32_MAX / 2 && push_grid(s, (uint32_t)first, s->patches.at[i].material);
-        first += aff_grid_vertices(s->split);
-    }
-    for (size_t i = 0; ok && i < s->cone_surface.count; ++i)
-        ok = aff_index_push(&s->surface, s->cone_surface.at[i]);
-    return ok;
-}
+/* ---- Split triangles ------------------------------------------------------------------------- */
 
 /* The corners of a patch at a time, in its node's space: straight lines between the keys. */
 static void patch_corners(const aff_scene *s, const aff_patch *patch, double time, double *out) {
@@ -74,8 +35,7 @@ static float *pose_patch(const aff_scene *s, const aff_patch *patch, const affin
     return out;
 }
 
-/* ---- Frames --------------------------------------------------------------------------------------
- */
+/* ---- Frames ---------------------------------------------------------------------------------- */
 
 static void place_nodes(const aff_scene *s, double time, affine *world) {
     world[0] = s->nodes.at[0].local;
@@ -114,8 +74,7 @@ static bool pose(const film *f, double time, film_frame *frame) {
     return true;
 }
 
-/* ---- The view ------------------------------------------------------------------------------------
- */
+/* ---- The view -------------------------------------------------------------------------------- */
 
 static const aff_motion *find(const aff_scene *s, const char *name) {
     for (size_t i = 0; i < s->motions.count; ++i)
@@ -123,41 +82,25 @@ static const aff_motion *find(const aff_scene *s, const char *name) {
     return NULL;
 }
 
-static bool unit(double *v) {
-    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    if (!(length > 0 && isfinite(length))) return false;
-    for (int i = 0; i < 3; ++i) v[i] /= length;
-    return true;
-}
-
-static void across(const double *a, const double *b, double *out) {
-    for (int i = 0; i < 3; ++i)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* `k camera` moves the eye and turns a view along -z with y up; what it does not say `v` does. */
 static void view(const film *f, double time, double aspect, camera *out) {
     const aff_scene *s = (const aff_scene *)f->data;
     const aff_motion *motion = find(s, "camera");
-    double up[3];
-    memcpy(out->eye, s->view.from, sizeof out->eye);
-    memcpy(up, s->view.up, sizeof up);
-    for (int i = 0; i < 3; ++i) out->forward[i] = s->view.at[i] - s->view.from[i];
-    if (motion && motion->move.count) spline_point(&motion->move, time, out->eye);
+    double eye[3], forward[3], up[3];
+    for (int i = 0; i < 3; ++i) {
+        eye[i] = s->view.from[i];
+        forward[i] = s->view.at[i] - s->view.from[i];
+        up[i] = s->view.up[i];
+    }
+    if (motion && motion->move.count) spline_point(&motion->move, time, eye);
     if (motion && motion->turn.count) {
         const affine turn = aff_motion_at(motion, time);
         for (int i = 0; i < 3; ++i) {
             up[i] = turn.m[i][1];
-            out->forward[i] = -turn.m[i][2];
+            forward[i] = -turn.m[i][2];
         }
     }
-    static const double spare[3][3] = {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
-    if (!unit(out->forward)) memcpy(out->forward, spare[0], sizeof spare[0]);
-    across(out->forward, up, out->right);
-    for (int i = 1; i < 3 && !unit(out->right); ++i) across(out->forward, spare[i], out->right);
-    across(out->right, out->forward, out->up);
-    out->slope_y = tan(s->view.angle * 3.14159265358979323846 / 360);
-    out->slope_x = out->slope_y * aspect;
+    camera_look(out, eye, forward, up, s->view.angle, aspect);
 }
 
 bool aff_placed(const aff_scene *scene, const char *name, double time, affine *out) {
@@ -175,8 +118,7 @@ bool aff_placed(const aff_scene *scene, const char *name, double time, affine *o
     return found;
 }
 
-/* ---- Scenes --------------------------------------------------------------------------------------
- */
+/* ---- The film -------------------------------------------------------------------------------- */
 
 void aff_film(const aff_scene *scene, film *out) {
     memset(out, 0, sizeof *out);
@@ -194,76 +136,10 @@ void aff_film(const aff_scene *scene, film *out) {
     out->lights = scene->lights.at;
     out->light_count = (uint32_t)scene->lights.count;
     memcpy(out->background, scene->background, sizeof out->background);
-    out->ambient = 0.35f;
+    /* The one lamp of a large scene leaves most of it dark. */
+    out->ambient = scene->lights.count > 1 ? 0.4f : 0.8f;
     out->pose = pose;
     out->view = view;
     /* The callbacks only read it; `data` is not const for films that own theirs. */
     memcpy(&out->data, &scene, sizeof out->data);
-}
-
-aff_counts aff_count(const aff_scene *scene) {
-    return scene->counts;
-}
-
-static aff_scene *start(const aff_options *options) {
-    const aff_node root = {0, AFF_NO_MOTION, affine_identity()};
-    const film_material grey = {{0.7f, 0.7f, 0.7f}};
-    const aff_view front = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 45};
-    aff_scene *s = (aff_scene *)calloc(1, sizeof *s);
-    if (!s) return NULL;
-    s->split = options->split < 6 ? options->split : 6;
-    s->frames = 1;
-    s->view = front;
-    if (aff_node_push(&s->nodes, root) && aff_material_push(&s->materials, grey)) return s;
-    aff_free(s);
-    return NULL;
-}
-
-static bool finish(aff_scene *s) {
-    aff_counts *c = &s->counts;
-    c->primitives =
-        c->mesh_triangles + c->polygons + c->cones + c->animated * aff_grid_triangles(s->split);
-    return push_patches(s);
-}
-
-bool aff_read(aff_scene **out, const char *path, const aff_options *options, char *error,
-              size_t size) {
-    aff_error why = {error, size};
-    aff_reader r;
-    memset(&r, 0, sizeof r);
-    if (size > 0) error[0] = 0;
-    r.scene = *out = start(options);
-    r.options = options;
-    r.error = &why;
-    bool ok = r.scene && aff_read_file(&r, path);
-    if (ok && !finish(r.scene)) ok = false;
-    if (ok) return true;
-    if (size > 0 && !error[0]) snprintf(error, size, "%s: out of memory", path);
-    aff_free(r.scene);
-    *out = NULL;
-    return false;
-}
-
-void aff_free(aff_scene *s) {
-    if (!s) return;
-    for (size_t i = 0; i < s->motions.count; ++i) {
-        aff_motion *motion = &s->motions.at[i];
-        free(motion->name);
-        free(motion->move.keys);
-        free(motion->turn.keys);
-        free(motion->scale.keys);
-    }
-    free(s->motions.at);
-    free(s->nodes.at);
-    free(s->parts.at);
-    free(s->vertices.at);
-    free(s->corners.at);
-    free(s->surface.at);
-    free(s->cone_surface.at);
-    free(s->cones.at);
-    free(s->patches.at);
-    free(s->keys.at);
-    free(s->materials.at);
-    free(s->lights.at);
-    free(s);
 }

@@ -4,8 +4,7 @@
 
 #include <string.h>
 
-/* ---- Vertices and triangles ----------------------------------------------------------------------
- */
+/* ---- Vertices and triangles ------------------------------------------------------------------ */
 
 static uint32_t current_material(const aff_reader *r) {
     return (uint32_t)r->scene->materials.count - 1;
@@ -44,7 +43,7 @@ static bool add_triangle(aff_reader *r, uint32_t a, uint32_t b, uint32_t c, uint
            aff_no_memory(r);
 }
 
-/* ---- Meshes ----------------------------------------------------------------------------------- */
+/* ---- Meshes ---------------------------------------------------------------------------------- */
 
 enum { VERTICES, NORMALS, TEXTURE, ARRAYS };
 
@@ -95,8 +94,7 @@ bool aff_read_mesh(aff_reader *r) {
            read_mesh_triangles(r, first, counts);
 }
 
-/* ---- Polygons ------------------------------------------------------------------------------------
- */
+/* ---- Polygons -------------------------------------------------------------------------------- */
 
 /* A fan around the first corner, as they come, so that any number of them needs no memory here. */
 static bool read_corners(aff_reader *r, uint32_t count, uint32_t numbers) {
@@ -106,8 +104,8 @@ static bool read_corners(aff_reader *r, uint32_t count, uint32_t numbers) {
     for (uint32_t i = 0; i < count; ++i) {
         if (!aff_numbers(r->lexer, n, numbers, "a number of a polygon") || !add_vertex(r, n))
             return false;
-        if (i >= 2 && !add_triangle(r, first, first + i - 1, first + i,
-                                    &r->scene->counts.polygon_triangles))
+        if (i >= 2 &&
+            !add_triangle(r, first, first + i - 1, first + i, &r->scene->counts.polygon_triangles))
             return false;
     }
     return true;
@@ -124,22 +122,21 @@ bool aff_read_textured(aff_reader *r, uint32_t numbers) {
     return read_corners(r, 3, numbers);
 }
 
-/* ---- Cones and patches -------------------------------------------------------------------------
- */
+/* ---- Cones and patches ----------------------------------------------------------------------- */
 
 bool aff_read_cone(aff_reader *r) {
     aff_scene *s = r->scene;
     double n[8];
     if (!aff_numbers(r->lexer, n, 8, "a number of a cone")) return false;
     if (!(n[3] >= 0 && n[7] >= 0)) return aff_fail(r->lexer, "a cone with a negative radius");
-    aff_cone cone;
-    cone.node = r->node;
-    memcpy(cone.base, n, sizeof cone.base);
-    memcpy(cone.top, n + 4, sizeof cone.top);
-    cone.base_radius = n[3];
-    cone.top_radius = n[7];
+    aff_cone item;
+    item.node = r->node;
+    memcpy(item.base, n, sizeof item.base);
+    memcpy(item.top, n + 4, sizeof item.top);
+    item.base_radius = n[3];
+    item.top_radius = n[7];
     ++s->counts.cones;
-    return (aff_cone_push(&s->cones, cone) &&
+    return (aff_cone_push(&s->cones, item) &&
             aff_index_push(&s->cone_surface, current_material(r))) ||
            aff_no_memory(r);
 }

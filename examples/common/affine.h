@@ -15,8 +15,7 @@ static inline affine affine_identity(void) {
 }
 
 static inline void affine_direction(const affine *a, const double *v, double *out) {
-    for (int i = 0; i < 3; ++i)
-        out[i] = a->m[i][0] * v[0] + a->m[i][1] * v[1] + a->m[i][2] * v[2];
+    for (int i = 0; i < 3; ++i) out[i] = a->m[i][0] * v[0] + a->m[i][1] * v[1] + a->m[i][2] * v[2];
 }
 
 static inline void affine_point(const affine *a, const double *p, double *out) {

@@ -2,13 +2,13 @@
  * its arguments as they are. */
 #include "args.h"
 
-#include <errno.h>
+#include "option.h"
+
 #include <getopt.h>
-#include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+static const char program[] = "htree-render";
 
 static const char help[] =
     "usage: htree-render [OPTION]... [MESH]\n"
@@ -77,54 +77,15 @@ static const struct option long_options[] = {
 
 /* ---- Values ----------------------------------------------------------------------------------- */
 
-static bool wrong(const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    fputs("htree-render: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
-    va_end(arguments);
-    return false;
-}
-
-/* Reads digits up to `end`'s character; strtoull alone would take signs and blanks. */
-static bool parse_number(const char *text, char stop, uint64_t lo, uint64_t hi, uint64_t *value) {
-    char *end = NULL;
-    if (*text < '0' || *text > '9') return false;
-    errno = 0;
-    *value = strtoull(text, &end, 10);
-    return errno == 0 && *end == stop && *value >= lo && *value <= hi;
-}
-
-static bool parse_u32(const char *option, const char *text, uint64_t lo, uint64_t hi,
-                      uint32_t *value) {
-    uint64_t number;
-    if (!parse_number(text, 0, lo, hi, &number))
-        return wrong("--%s %s: give a whole number from %llu to %llu", option, text,
-                     (unsigned long long)lo, (unsigned long long)hi);
-    *value = (uint32_t)number;
-    return true;
-}
-
-static bool parse_size(render_args *out, const char *text) {
-    uint64_t width, height;
-    const char *x = strchr(text, 'x');
-    if (!x || !parse_number(text, 'x', 1, 16384, &width) ||
-        !parse_number(x + 1, 0, 1, 16384, &height))
-        return wrong("--size %s: give WIDTHxHEIGHT, each from 1 to 16384, such as 640x480", text);
-    out->width = (uint32_t)width;
-    out->height = (uint32_t)height;
-    return true;
-}
-
 static bool parse_scene(render_args *out, const char *text) {
     const size_t length = strcspn(text, ":");
     snprintf(out->scene, sizeof out->scene, "%.*s", (int)(length < 31 ? length : 31), text);
     if (!shape_text(out->scene))
-        return wrong("--scene %s: no such scene; --list-scenes prints them", text);
+        return option_wrong(program, "--scene %s: no such scene; --list-scenes prints them", text);
     out->triangles = shape_default_triangles(out->scene);
-    if (text[length] && !parse_number(text + length + 1, 0, 0, 1 << 30, &out->triangles))
-        return wrong("--scene %s: after ':' give a number of triangles up to 2^30", text);
+    if (text[length] && !option_number(text + length + 1, 0, 0, 1 << 30, &out->triangles))
+        return option_wrong(program, "--scene %s: after ':' give a number of triangles up to 2^30",
+                            text);
     return true;
 }
 
@@ -136,26 +97,28 @@ static bool parse_kind(render_args *out, const char *text) {
         const size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, " %s", htree_kind_name(kind));
     }
-    return wrong("--kind %s: no such structure; choose from%s", text, known);
+    return option_wrong(program, "--kind %s: no such structure; choose from%s", text, known);
 }
 
 static bool parse_mode(render_args *out, const char *text) {
     static const char *const names[] = {"shaded", "normals", "depth", "prims", "steps", "tests"};
     for (int i = 0; i < 6; ++i)
         if (strcmp(text, names[i]) == 0) return out->mode = (render_mode)i, true;
-    return wrong("--mode %s: choose from shaded normals depth prims steps tests", text);
+    return option_wrong(program, "--mode %s: choose from shaded normals depth prims steps tests",
+                        text);
 }
 
 static bool parse_heat_max(render_args *out, const char *text) {
     uint64_t value;
-    if (!parse_number(text, 0, 1, UINT32_MAX, &value))
-        return wrong("--heat-max %s: give a whole number of at least 1", text);
+    if (!option_number(text, 0, 1, UINT32_MAX, &value))
+        return option_wrong(program, "--heat-max %s: give a whole number of at least 1", text);
     out->heat_max = (double)value;
     return true;
 }
 
 static bool parse_up(render_args *out, const char *text) {
-    if (text[0] < 'x' || text[0] > 'z' || text[1]) return wrong("--up %s: give x, y or z", text);
+    if (text[0] < 'x' || text[0] > 'z' || text[1])
+        return option_wrong(program, "--up %s: give x, y or z", text);
     out->camera.up = text[0] - 'x';
     return true;
 }
@@ -179,13 +142,14 @@ static bool take_option(render_args *out, int option, const char *value) {
     case OPTION_MODE: return parse_mode(out, value);
     case OPTION_HEAT_MAX: return parse_heat_max(out, value);
     case OPTION_UP: return parse_up(out, value);
-    case OPTION_SIZE: return parse_size(out, value);
-    case OPTION_SPP: return parse_u32("spp", value, 1, 4096, &out->spp);
-    case OPTION_THREADS: return parse_u32("threads", value, 0, 1024, &out->threads);
-    case OPTION_SEED: return parse_u32("seed", value, 0, UINT32_MAX, &out->seed);
+    case OPTION_SIZE: return option_size(program, value, &out->width, &out->height);
+    case OPTION_SPP: return option_u32(program, "spp", value, 1, 4096, &out->spp);
+    case OPTION_THREADS: return option_u32(program, "threads", value, 0, 1024, &out->threads);
+    case OPTION_SEED: return option_u32(program, "seed", value, 0, UINT32_MAX, &out->seed);
     case OPTION_CAMERA:
         return camera_parse(&out->camera, value) ||
-               wrong("--camera %s: give outside, inside or ex,ey,ez,lx,ly,lz[,fov]", value);
+               option_wrong(program, "--camera %s: give outside, inside or ex,ey,ez,lx,ly,lz[,fov]",
+                            value);
     default: return false;
     }
 }
@@ -202,20 +166,6 @@ static render_args default_args(void) {
     return args;
 }
 
-/* 0 is for all cores; the figures name the number that this comes to. */
-static uint32_t resolve_threads(uint32_t threads) {
-    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    return threads ? threads : cores > 0 ? (uint32_t)cores : 1;
-}
-
-/* getopt names a short option by its letter, and leaves a long one at the word before optind. */
-static void complain(int option, char **argv) {
-    const char letter[3] = {'-', (char)optopt, 0};
-    const bool is_short = optopt > 0 && optopt < OPTION_SCENE && argv[optind - 1][1] != '-';
-    wrong(option == ':' ? "option %s needs a value; see --help" : "unknown option %s; see --help",
-          is_short ? letter : argv[optind - 1]);
-}
-
 args_result args_parse(render_args *out, int argc, char **argv) {
     bool scene = false;
     *out = default_args();
@@ -230,14 +180,17 @@ args_result args_parse(render_args *out, int argc, char **argv) {
                    HTREE_VERSION_PATCH);
             return ARGS_DONE;
         }
-        if (option == ':' || option == '?') return complain(option, argv), ARGS_WRONG;
+        if (option == ':' || option == '?')
+            return option_complain(program, option, argv), ARGS_WRONG;
         if (!take_option(out, option, optarg)) return ARGS_WRONG;
         scene = scene || option == OPTION_SCENE;
     }
-    out->threads = resolve_threads(out->threads);
+    out->threads = option_threads(out->threads);
     if (optind < argc) out->mesh_path = argv[optind];
     if (argc - optind > 1)
-        return wrong("one mesh at a time, not '%s' too", argv[optind + 1]), ARGS_WRONG;
-    if (out->mesh_path && scene) return wrong("give a mesh or --scene, not both"), ARGS_WRONG;
+        return option_wrong(program, "one mesh at a time, not '%s' too", argv[optind + 1]),
+               ARGS_WRONG;
+    if (out->mesh_path && scene)
+        return option_wrong(program, "give a mesh or --scene, not both"), ARGS_WRONG;
     return ARGS_RUN;
 }

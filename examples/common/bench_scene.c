@@ -1,5 +1,5 @@
-/* bench_scene.c: the paper's larger scans are not at hand in full, so smaller ones are subdivided to
- * nearly the same number of triangles. What is shown is labelled for what it is. */
+/* bench_scene.c: the paper's larger scans are not at hand in full, so smaller ones are subdivided
+ * to nearly the same number of triangles. What is shown is labelled for what it is. */
 #include "bench_scene.h"
 
 #include "mesh_file.h"
@@ -108,15 +108,18 @@ static bool open_entry(bench_scene *out, const entry *e, const char *folder, cha
         snprintf(out->note, sizeof out->note, "%s, %s", e->about, view_name(&out->camera));
         ok = open_mesh(out, path, e->levels, error, size);
     } else {
-        snprintf(out->note, sizeof out->note, "built-in %s in place of %s, which is missing, %s",
-                 e->shape, e->file, view_name(&out->camera));
+        snprintf(out->name, sizeof out->name, "%s:%llu", e->shape,
+                 (unsigned long long)e->triangles);
+        snprintf(out->note, sizeof out->note, "built-in, in place of %s, which is missing, %s",
+                 e->file, view_name(&out->camera));
         ok = open_shape(out, e->shape, e->triangles, error, size);
     }
     free(path);
     return ok;
 }
 
-/* A mesh of the paper's count of triangles is taken for the paper's: the Bunny in full resolution. */
+/* A mesh of the paper's count of triangles is taken for the paper's: the Bunny in full
+ * resolution. */
 static void recognise(bench_scene *out) {
     const paper_scene *bunny = paper_find_scene("Bunny");
     const bool same = out->mesh.triangle_count == bunny->primitives;

@@ -197,6 +197,21 @@ camera camera_place(const camera_wish *wish, const shape *mesh, uint32_t width, 
     return c;
 }
 
+void camera_look(camera *out, const double *eye, const double *forward, const double *up, double fov,
+                 double aspect) {
+    memcpy(out->eye, eye, sizeof out->eye);
+    memcpy(out->forward, forward, sizeof out->forward);
+    make_basis(out, 1);
+    double right[3];
+    cross(out->forward, up, right);
+    if (normalise(right)) {
+        memcpy(out->right, right, sizeof right);
+        cross(right, out->forward, out->up);
+    }
+    out->slope_y = tan(fov * pi / 360);
+    out->slope_x = out->slope_y * aspect;
+}
+
 htree_ray camera_ray(const camera *c, double x, double y, uint32_t width, uint32_t height) {
     const double a = c->slope_x * (2 * x / width - 1), b = c->slope_y * (1 - 2 * y / height);
     htree_ray ray;

@@ -27,6 +27,11 @@ bool camera_parse(camera_wish *wish, const char *text);
  * one end of the bounds along their length. A mesh without a finite vertex counts as the unit box. */
 camera camera_place(const camera_wish *wish, const shape *mesh, uint32_t width, uint32_t height);
 
+/* Looks from `eye` along `forward`, upright by `up`; vectors of any length. `fov` is the angle in
+ * degrees between the lower and the upper edge, `aspect` is width / height. */
+void camera_look(camera *out, const double *eye, const double *forward, const double *up, double fov,
+                 double aspect);
+
 /* The ray through (x, y) in pixels from the top left corner. t is distance along `forward`. */
 htree_ray camera_ray(const camera *c, double x, double y, uint32_t width, uint32_t height);
 

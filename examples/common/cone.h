@@ -1,4 +1,4 @@
-/* cone.h: open cones and cylinders as objects of the caller's own: a box and an exact intersection. */
+/* cone.h: open cones and cylinders as objects of the caller's own, each a box and a callback. */
 #ifndef EXAMPLES_CONE_H
 #define EXAMPLES_CONE_H
 
@@ -8,7 +8,7 @@
 /* The side of a cone between two discs, in a frame of its own where the axis runs from (0, 0, 0) to
  * (0, 0, 1) and the discs are round. */
 typedef struct cone {
-    affine inverse; /* from the world to the cone's frame */
+    affine inverse;        /* from the world to the cone's frame */
     double radius, growth; /* at z = 0, and how much more at z = 1 */
 } cone;
 

@@ -1,6 +1,6 @@
-/* growth.h: two studies that the paper's table does not hold: construction time against the number of
- * triangles, and what coarser or finer splitting is worth. Both write files that gnuplot reads: blocks
- * with a name on a line of their own, two empty lines between them. */
+/* growth.h: two studies that the paper's table does not hold: construction time against the
+ * number of triangles, and what coarser or finer splitting is worth. Both write files that
+ * gnuplot reads: blocks with a name on a line of their own, two empty lines between them. */
 #ifndef EXAMPLES_GROWTH_H
 #define EXAMPLES_GROWTH_H
 

@@ -1,5 +1,5 @@
-/* list.h: arrays that grow. LIST_OF(point, double) makes the type point_list, which starts from zero,
- * and point_push. */
+/* list.h: arrays that grow. LIST_OF(point, double) makes the type point_list, which starts from
+ * zero, and point_push. */
 #ifndef EXAMPLES_LIST_H
 #define EXAMPLES_LIST_H
 

@@ -102,7 +102,8 @@ static htree_status trace(const bench *b, const htree *tree, measure_row *row, d
     return status;
 }
 
-/* The figures of the tree are the same in every round, and counting them is a walk: once is enough. */
+/* The figures of the tree are the same in every round, and counting them is a walk: once is
+ * enough. */
 static htree_status measure_once(const bench *b, measure_row *row, double *built, double *traced) {
     htree *tree = NULL;
     const double start = clock_seconds();

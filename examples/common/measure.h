@@ -23,8 +23,8 @@ typedef struct measure_job {
     bool quiet;
 } measure_job;
 
-/* One row of the paper's Table 1. Times are medians in seconds; speed-ups are against the kd-tree of
- * the same job, and NaN without one. */
+/* One row of the paper's Table 1. Times are medians in seconds; speed-ups are against the kd-tree
+ * of the same job, and NaN without one. */
 typedef struct measure_row {
     measure_way way;
     htree_stats stats;

@@ -1,5 +1,5 @@
-/* option.h: what the command lines of the programs have in common. `program` begins every message.
- */
+/* option.h: what the command lines of the programs have in common. `program` begins every
+ * message. */
 #ifndef EXAMPLES_OPTION_H
 #define EXAMPLES_OPTION_H
 

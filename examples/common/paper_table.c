@@ -1,5 +1,6 @@
-/* paper_table.c: the figures as printed, with the paper's own slips: the UG row of Bunny repeats the
- * kd-tree's node count, and N_E of the grids is half of N_NS in some scenes and all of it in others. */
+/* paper_table.c: the figures as printed, with the paper's own slips: the UG row of Bunny repeats
+ * the kd-tree's node count, and N_E of the grids is half of N_NS in some scenes and all of it in
+ * others. */
 #include "paper_table.h"
 
 #include <stddef.h>

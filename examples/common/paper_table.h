@@ -1,5 +1,6 @@
-/* paper_table.h: Table 1 of V. Havran, R. Herzog, H.-P. Seidel, "On the Fast Construction of Spatial
- * Hierarchies for Ray Tracing", 2006, to be compared with: one core of an Athlon 64 X2 3800+. */
+/* paper_table.h: Table 1 of V. Havran, R. Herzog, H.-P. Seidel, "On the Fast Construction of
+ * Spatial Hierarchies for Ray Tracing", 2006, to be compared with: one core of an Athlon 64 X2
+ * 3800+. */
 #ifndef EXAMPLES_PAPER_TABLE_H
 #define EXAMPLES_PAPER_TABLE_H
 

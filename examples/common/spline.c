@@ -1,5 +1,5 @@
-/* spline.c: D. Kochanek, R. Bartels, "Interpolating Splines with Local Tension, Continuity, and Bias
- * Control", 1984; for rotations, tangents in the logarithm of the quaternions and K. Shoemake's
+/* spline.c: D. Kochanek, R. Bartels, "Interpolating Splines with Local Tension, Continuity, and
+ * Bias Control", 1984; for rotations, tangents in the logarithm of the quaternions and Shoemake's
  * quadrangle interpolation. Tangents are scaled for keys that are not evenly spaced. */
 #include "spline.h"
 
@@ -12,7 +12,7 @@ typedef struct segment {
     double u; /* 0 at from, 1 at to */
 } segment;
 
-/* ---- Which segment, which tangents ------------------------------------------------------------- */
+/* ---- Which segment, which tangents ----------------------------------------------------------- */
 
 static segment find_segment(const spline *s, double time) {
     const bool phantoms = s->count >= 4;
@@ -28,7 +28,7 @@ static segment find_segment(const spline *s, double time) {
 }
 
 /* Weights of the step before a key and of the step after it in the tangent there. `out` is the
- * tangent of the segment that leaves the key; a, b, c are the times of the three keys around. */
+ * tangent of the segment that leaves the key; a and c are the times of the keys around it. */
 static void tangent_weights(const spline_key *key, double a, double c, double length, bool out,
                             double *weight) {
     const double sign = out ? 1 : -1, span = c - a;
@@ -52,13 +52,12 @@ void spline_point(const spline *s, double time, double *xyz) {
         const double p = at.from->value[i], q = at.to->value[i], step = q - p;
         const double leave = out[0] * (p - at.before->value[i]) + out[1] * step;
         const double arrive = in[0] * step + in[1] * (at.after->value[i] - q);
-        xyz[i] = p + u * (leave + u * (3 * step - 2 * leave - arrive +
-                                       u * (leave + arrive - 2 * step)));
+        xyz[i] =
+            p + u * (leave + u * (3 * step - 2 * leave - arrive + u * (leave + arrive - 2 * step)));
     }
 }
 
-/* ---- Quaternions ---------------------------------------------------------------------------------
- */
+/* ---- Quaternions ----------------------------------------------------------------------------- */
 
 static double dot4(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];

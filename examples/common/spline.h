@@ -5,8 +5,8 @@
 
 #include <stdint.h>
 
-/* value: x y z of a point, or w x y z of a unit quaternion. Tension, continuity and bias are 0 for a
- * Catmull-Rom spline. */
+/* value: x y z of a point, or w x y z of a unit quaternion. Tension, continuity and bias are 0 for
+ * a Catmull-Rom spline. */
 typedef struct spline_key {
     double time, value[4];
     double tension, continuity, bias;

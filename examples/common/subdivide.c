@@ -1,7 +1,7 @@
 /* subdivide.c: after C. Loop, "Smooth Subdivision Surfaces Based on Triangles", 1987, with the
- * weights of J. Warren. Loop's rules hold where exactly two triangles meet at an edge and one fan at
- * a vertex. Scans and models break both, and the rules for boundaries take over there: what is not a
- * plain surface keeps its place, and no crack opens. */
+ * weights of J. Warren. Loop's rules hold where exactly two triangles meet at an edge and one fan
+ * at a vertex. Scans and models break both, and the rules for boundaries take over there: what is
+ * not a plain surface keeps its place, and no crack opens. */
 #include "subdivide.h"
 
 #include "numbers.h"

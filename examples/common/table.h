@@ -29,8 +29,8 @@ void table_print_block(FILE *out, const table_block *block);
 /* Mean, least and greatest of the three speed-ups over all blocks. */
 void table_print_averages(FILE *out, const table_block *blocks, uint32_t count);
 
-/* {"machine": ..., "command": ..., "rows": [...]}, a flat object per row; numbers that are not finite
- * become null. False writes one line to `error`. */
+/* {"machine": ..., "command": ..., "rows": [...]}, a flat object per row; numbers that are not
+ * finite become null. False writes one line to `error`. */
 bool table_write_json(const table_block *blocks, uint32_t count, const char *machine,
                       const char *command, const char *path, char *error, size_t size);
 
