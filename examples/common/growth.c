@@ -43,6 +43,7 @@ static htree_status grow_once(const growth_job *job, growth_table *table, uint32
     builds.mesh = &mesh;
     builds.threads = job->threads;
     builds.repeat = repeat_for(job, table->wished[at]);
+    builds.keep_memory = true; /* the growth of the algorithm, not that of page faults */
     builds.label = label;
     builds.quiet = job->quiet;
     const htree_status status = measure_run(&builds, ways, count, rows);

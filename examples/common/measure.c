@@ -3,6 +3,7 @@
 #include "measure.h"
 
 #include "numbers.h"
+#include "pool.h"
 #include "primary.h"
 
 #include <math.h>
@@ -16,6 +17,7 @@ typedef struct bench {
     htree_hit *hits;
     htree_counters *counters;
     double *builds, *traces; /* by way and round */
+    pool memory;
 } bench;
 
 static int compare(const void *a, const void *b) {
@@ -51,9 +53,11 @@ static void bench_free(bench *b) {
     free(b->counters);
     free(b->builds);
     free(b->traces);
+    pool_free(&b->memory);
 }
 
-static htree_status build(const measure_job *job, const measure_way *way, htree **tree) {
+static htree_status build(bench *b, const measure_way *way, htree **tree) {
+    const measure_job *job = b->job;
     htree_mesh mesh = {0};
     mesh.positions = job->mesh->positions;
     mesh.vertex_count = job->mesh->vertex_count;
@@ -63,6 +67,7 @@ static htree_status build(const measure_job *job, const measure_way *way, htree 
     const htree_status status = htree_options_init(&options, sizeof options, way->kind);
     if (status != HTREE_OK) return status;
     options.threads = job->threads;
+    if (job->keep_memory) options.allocator = pool_allocator(&b->memory);
     if (way->buckets) options.buckets = way->buckets;
     if (way->cells_per_prim > 0) options.cells_per_prim = way->cells_per_prim;
     return htree_build(tree, &mesh, &options);
@@ -104,10 +109,10 @@ static htree_status trace(const bench *b, const htree *tree, measure_row *row, d
 
 /* The figures of the tree are the same in every round, and counting them is a walk: once is
  * enough. */
-static htree_status measure_once(const bench *b, measure_row *row, double *built, double *traced) {
+static htree_status measure_once(bench *b, measure_row *row, double *built, double *traced) {
     htree *tree = NULL;
     const double start = clock_seconds();
-    htree_status status = build(b->job, &row->way, &tree);
+    htree_status status = build(b, &row->way, &tree);
     *built = clock_seconds() - start;
     if (status == HTREE_OK && !row->stats.size) {
         row->stats.size = sizeof row->stats;

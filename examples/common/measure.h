@@ -19,6 +19,7 @@ typedef struct measure_job {
     camera view;
     uint32_t width, height; /* 0: builds alone are measured */
     uint32_t threads, repeat;
+    bool keep_memory;  /* every build but the first reuses the memory of the one before (pool.h) */
     const char *label; /* of the progress bar */
     bool quiet;
 } measure_job;

@@ -51,7 +51,7 @@ static void write_defaults(htree_options *options, htree_kind kind) {
     options->cost_bv6 = 1.2f;
     options->cost_intersect = 1.2f;
     options->cells_per_prim = 0.5f;
-    options->few_prims = 300;
+    options->few_prims = 64;
     resolve_preset(options);
 }
 
