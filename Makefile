@@ -47,7 +47,9 @@ HAVE_CMOCKA := $(call have,cmocka)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c))
-COMMON_SRC := $(sort $(wildcard examples/common/*.c))
+PARTS := mesh picture program bart animate table1 visibility
+PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
+PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS))
 TEST_COMMON_SRC := $(sort $(wildcard tests/common/*.c))
 TEST_SRC := $(sort $(wildcard tests/test_*.c))
 obj = $(patsubst %.c,$(B)/%.o,$(1))
@@ -96,14 +98,14 @@ WEBP_LIBS := $(if $(HAVE_WEBP),$(shell $(PKG_CONFIG) --libs libwebpmux libwebp))
 $(B)/examples/%.o: examples/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Iexamples/common $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) $(PART_CPP) $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
 	    $(WEBP_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # White-box tests may see the internal headers, so tests link the static library.
 $(B)/tests/%.o: tests/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib -Iexamples/common -Itests/common \
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib $(PART_CPP) -Itests/common \
 	    $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # ---- Link -----------------------------------------------------------------------------------------
@@ -121,13 +123,13 @@ $(B)/minimal: $(B)/examples/minimal.o $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lm -lpthread
 
-$(B)/htree-%: $(B)/examples/%.o $(call obj,$(COMMON_SRC)) $(STATIC)
+$(B)/htree-%: $(B)/examples/%.o $(call obj,$(PART_SRC)) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ $(PNG_LIBS) $(ASSIMP_LIBS) $(WEBP_LIBS) -lm -lpthread
 
 # Of the examples, tests link what needs nothing but libc and libm.
-TEST_EXAMPLE_SRC := $(sort $(wildcard examples/common/aff*.c)) \
-    $(patsubst %,examples/common/%.c,camera cone decimal shapes spline subdivide)
+TEST_EXAMPLE_SRC := $(sort $(wildcard examples/bart/*.c)) examples/picture/camera.c \
+    $(patsubst %,examples/mesh/%.c,decimal shapes subdivide)
 $(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread

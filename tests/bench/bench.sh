@@ -26,7 +26,7 @@ row() { # row KIND SCENE-ARGUMENTS...
     echo "command: make bench${mesh:+ MESH=$(basename "$mesh")}"
     printf "%-22s %-10s %9s %10s %7s %6s %9s %8s %9s %8s %7s\n" scene kind triangles N_NS N_TS N_IT \
         "T_C ms" "ns/tri" "T_R ms" "Mrays/s" "B/tri"
-    for kind in bvh-sah h; do
+    for kind in ug kd bvh-median bvh-sah skd h ah; do
         if [ -n "$mesh" ]; then
             row "$kind" "$mesh"
         else
