@@ -92,10 +92,11 @@ static void every_small_tree_of(uint32_t distribution, uint64_t most) {
 }
 
 /* Exact-size arrays: under AddressSanitizer a read past an end is a failure. */
-static void every_size_up_to_256_equals_oracle(void **state) {
+static void every_size_up_to_1024_equals_oracle(void **state) {
+    const uint64_t most = scaled(100) < 100 ? 256 : 1024;
     (void)state;
-    for (uint32_t i = 0; i < DISTRIBUTIONS; ++i) every_small_tree_of(i, 256);
-    report("N = 0 to 256, 6 distributions");
+    for (uint32_t i = 0; i < DISTRIBUTIONS; ++i) every_small_tree_of(i, most);
+    report(most == 1024 ? "N = 0 to 1024, 6 distributions" : "N = 0 to 256, 6 distributions");
 }
 
 static void bvh_sah_and_h_are_built(void **state) {
@@ -269,7 +270,7 @@ static void the_tree_keeps_no_pointer_into_the_mesh(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_size_up_to_256_equals_oracle),
+        cmocka_unit_test(every_size_up_to_1024_equals_oracle),
         cmocka_unit_test(bvh_sah_and_h_are_built),
         cmocka_unit_test(bad_triangles_are_skipped_and_counted),
         cmocka_unit_test(random_bit_patterns_are_geometry),
