@@ -17,7 +17,7 @@ typedef struct ah_build {
     ht_stack_memory scratch;
 } ah_build;
 
-/* A set being built: its grid, and the traversal box that its planes may rely on. */
+/* A set of prims being built through one grid. */
 typedef struct ah_set {
     ah_build *build;
     const ht_grid *grid;
@@ -89,12 +89,11 @@ static void deal_oversize(const ah_set *set, const ah_node *node, uint32_t axis,
                           const htree_box *left, const htree_box *right, uint32_t *left_count,
                           uint32_t *right_count) {
     uint32_t *list = node->oversize;
-    uint32_t lefts = 0, rest = node->oversize_count;
+    uint32_t dealt = 0;
     /* Two passes of exchange: lists are short, and their order does not matter but must be fixed. */
     for (uint32_t side = 0; side < 2; ++side) {
-        const uint32_t begin = lefts;
-        uint32_t kept = begin;
-        for (uint32_t i = begin; i < rest; ++i) {
+        uint32_t kept = dealt;
+        for (uint32_t i = dealt; i < node->oversize_count; ++i) {
             const ht_prim *prim = &set->grid->prims[list[i]];
             const htree_box box = {{prim->lo[0], prim->lo[1], prim->lo[2]},
                                    {prim->hi[0], prim->hi[1], prim->hi[2]}};
@@ -105,15 +104,21 @@ static void deal_oversize(const ah_set *set, const ah_node *node, uint32_t axis,
             list[i] = list[kept];
             list[kept++] = index;
         }
-        if (side == 0) *left_count = kept;
-        if (side == 1) *right_count = kept - begin;
-        lefts = kept;
+        *(side == 0 ? left_count : right_count) = kept - dealt;
+        dealt = kept;
     }
 }
 
 /* ---- Nodes -------------------------------------------------------------------------------------- */
 
 static htree_status build_node(const ah_set *set, ah_node *node, htree_box *exact);
+
+/* Whether so many prims of a set deserve a grid of their own. One that did not separate its prims is not
+ * tried again: equal centroids would never end. */
+static bool is_crowded(const ah_set *set, uint32_t count) {
+    return count > set->build->writer.builder->options->few_prims &&
+           count < set->count - set->count / 20;
+}
 
 /* Few prims, a single cell, or too few levels left for a search that may cut off one slab at a time. */
 static bool leaves_grid(const ah_set *set, const ah_node *node) {
@@ -136,8 +141,7 @@ static htree_status build_shelf(const ah_set *set, const ah_node *node, uint32_t
     shelf.oversize_count = count;
     shelf.level = node->level + 2; /* both other children wait meanwhile */
     ht_h_node_at(&set->build->writer, skd)->tag |= set->build->writer.used << HT_H_TAG_BITS;
-    HT_TRY(
-        build_gathered(set, &shelf, count > set->build->writer.builder->options->few_prims, &box));
+    HT_TRY(build_gathered(set, &shelf, is_crowded(set, count), &box));
     ht_box_add(exact, &box);
     return HTREE_OK;
 }
@@ -196,10 +200,7 @@ static htree_status build_node(const ah_set *set, ah_node *node, htree_box *exac
     ht_h_writer *writer = &set->build->writer;
     if (node->small) ht_grid_shrink(set->grid, &node->cells);
     if (leaves_grid(set, node)) {
-        /* A grid that did not separate its prims is not tried again: equal centroids would never end. */
-        const uint32_t count = node->small + node->oversize_count;
-        const bool crowded =
-            count > writer->builder->options->few_prims && count < set->count - set->count / 20;
+        const bool crowded = is_crowded(set, node->small + node->oversize_count);
         return build_gathered(set, node, crowded, exact);
     }
     const htree_box tight = node_box(set, node);
@@ -212,8 +213,11 @@ static htree_status build_node(const ah_set *set, ah_node *node, htree_box *exac
     HT_TRY(ht_h_maybe_bound(writer, skd_cost, &tight, node->small + node->oversize_count,
                             &node->traversal, &bound));
     HT_TRY(build_split(set, node, &cut, exact));
-    if (bound != HT_H_NO_SLOT && !(options->flags & HTREE_LOOSE_PLANES)) {
-        ht_h_rebound(ht_h_node_at(writer, bound), exact);
+    if (bound != HT_H_NO_SLOT) {
+        /* Even loose planes must hold every prim: the grid's are rounded. */
+        htree_box planes = *exact;
+        if (options->flags & HTREE_LOOSE_PLANES) ht_box_add(&planes, &tight);
+        ht_h_rebound(ht_h_node_at(writer, bound), &planes);
     }
     return HTREE_OK;
 }
