@@ -20,15 +20,6 @@ static float *mixed_sizes(uint64_t n, uint32_t one_in, uint32_t seed) {
     return xyz;
 }
 
-static htree_mesh plain_mesh(const float *xyz, uint64_t triangles) {
-    htree_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    mesh.positions = xyz;
-    mesh.vertex_count = 3 * triangles;
-    mesh.triangle_count = triangles;
-    return mesh;
-}
-
 /* The least of three builds: what else runs on the machine only ever adds. */
 static double build_seconds(const htree_mesh *mesh, const htree_options *options) {
     double least = 1e9;

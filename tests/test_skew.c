@@ -11,15 +11,6 @@ static uint64_t trees_built;
 /* Levels that any tree may have; half of it is enough for a million triangles in good order. */
 enum { DEPTH_LIMIT = 160 };
 
-static htree_mesh plain_mesh(const float *xyz, uint64_t triangles) {
-    htree_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    mesh.positions = xyz;
-    mesh.vertex_count = 3 * triangles;
-    mesh.triangle_count = triangles;
-    return mesh;
-}
-
 static void compare_rays(const htree *tree, const htree_mesh *mesh, uint64_t count) {
     const ray_target target = ray_target_of(mesh);
     oracle o = oracle_of(mesh);

@@ -169,20 +169,12 @@ args_result anim_args_parse(anim_args *out, int argc, char **argv) {
     out->height = 300;
     out->threads = out->every = 1;
     out->samples = 2;
-    opterr = 0;
-    for (;;) {
-        const int option = getopt_long(argc, argv, ":o:qhV", long_options, NULL);
-        if (option == -1) break;
-        if (option == 'h') return fputs(help, stdout), ARGS_DONE;
-        if (option == 'V') {
-            printf("%s %d.%d.%d\n", program, HTREE_VERSION_MAJOR, HTREE_VERSION_MINOR,
-                   HTREE_VERSION_PATCH);
-            return ARGS_DONE;
-        }
-        if (option == ':' || option == '?')
-            return option_complain(program, option, argv), ARGS_WRONG;
+    const option_syntax syntax = {program, help, ":o:qhV", long_options};
+    args_result result;
+    for (int option; (option = option_next(&syntax, argc, argv, &result)) != -1;) {
         if (!take_option(out, option, optarg)) return ARGS_WRONG;
     }
+    if (result != ARGS_RUN) return result;
     if (!check_together(out, argc, argv)) return ARGS_WRONG;
     out->threads = option_threads(out->threads);
     return ARGS_RUN;

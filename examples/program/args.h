@@ -3,6 +3,7 @@
 #define EXAMPLES_ARGS_H
 
 #include "camera.h"
+#include "option.h"
 #include "htree.h"
 
 typedef enum render_mode {
@@ -26,8 +27,6 @@ typedef struct render_args {
     camera_wish camera;
     bool stats, quiet;
 } render_args;
-
-typedef enum args_result { ARGS_RUN, ARGS_DONE, ARGS_WRONG } args_result;
 
 /* ARGS_DONE: help, version or the list of scenes was asked for and is printed. ARGS_WRONG: a line on
  * stderr says what to do. The strings of *out point into argv. */

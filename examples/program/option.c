@@ -1,6 +1,7 @@
 /* option.c: every value is checked before a program starts to work. */
 #include "option.h"
 
+#include "htree.h"
 #include "shapes.h"
 
 #include <errno.h>
@@ -60,7 +61,7 @@ bool option_shape(const char *text, char *name, uint64_t *triangles) {
 }
 
 /* getopt names a short option by its letter, and leaves a long one at the word before optind. */
-void option_complain(const char *program, int answer, char **argv) {
+static void complain(const char *program, int answer, char **argv) {
     const char letter[3] = {'-', (char)optopt, 0};
     const bool is_short = optopt > 0 && optopt < 256 && argv[optind - 1][1] != '-';
     option_wrong(program,
@@ -72,4 +73,31 @@ void option_complain(const char *program, int answer, char **argv) {
 uint32_t option_threads(uint32_t threads) {
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     return threads ? threads : cores > 0 ? (uint32_t)cores : 1;
+}
+
+int option_next(const option_syntax *syntax, int argc, char **argv, args_result *result) {
+    opterr = 0;
+    const int option = getopt_long(argc, argv, syntax->letters, syntax->options, NULL);
+    *result = option == -1 ? ARGS_RUN : ARGS_DONE;
+    switch (option) {
+    case 'h': fputs(syntax->help, stdout); return -1;
+    case 'V':
+        printf("%s %d.%d.%d\n", syntax->program, HTREE_VERSION_MAJOR, HTREE_VERSION_MINOR,
+               HTREE_VERSION_PATCH);
+        return -1;
+    case ':':
+    case '?':
+        complain(syntax->program, option, argv);
+        *result = ARGS_WRONG;
+        return -1;
+    default: return option;
+    }
+}
+
+bool option_one_mesh(const char *program, int argc, char **argv, bool scene, const char **path) {
+    if (optind < argc) *path = argv[optind];
+    if (argc - optind > 1) {
+        return option_wrong(program, "one mesh at a time, not '%s' too", argv[optind + 1]);
+    }
+    return !*path || !scene || option_wrong(program, "give a mesh or --scene, not both");
 }

@@ -22,9 +22,20 @@ bool option_size(const char *program, const char *text, uint32_t *width, uint32_
 /* A built-in scene, NAME or NAME:N; `name` holds 32 bytes. False, and silent, if there is none. */
 bool option_shape(const char *text, char *name, uint64_t *triangles);
 
-/* For getopt_long's answers ':' and '?', with optind and optopt as it left them; long options have
- * values of 256 and more. */
-void option_complain(const char *program, int answer, char **argv);
+typedef enum args_result { ARGS_RUN, ARGS_DONE, ARGS_WRONG } args_result;
+
+/* What a program takes: `letters` and `options` as getopt_long wants them. */
+typedef struct option_syntax {
+    const char *program, *help, *letters;
+    const struct option *options;
+} option_syntax;
+
+/* The next option that is the program's own, its value in optarg. -1 after the last, with ARGS_RUN in
+ * *result; or after --help or --version, which are answered here, and after a wrong one. */
+int option_next(const option_syntax *syntax, int argc, char **argv, args_result *result);
+
+/* At most one mesh after the options, and not beside --scene. Leaves *path as it is if there is none. */
+bool option_one_mesh(const char *program, int argc, char **argv, bool scene, const char **path);
 
 /* 0 is for all cores; the figures name the number that this comes to. */
 uint32_t option_threads(uint32_t threads);

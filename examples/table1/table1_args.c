@@ -224,20 +224,12 @@ static bool check(const table1_args *out) {
 
 args_result table1_args_parse(table1_args *out, int argc, char **argv) {
     *out = default_args();
-    opterr = 0;
-    for (;;) {
-        const int option = getopt_long(argc, argv, ":qhV", long_options, NULL);
-        if (option == -1) break;
-        if (option == 'h') return fputs(help, stdout), ARGS_DONE;
-        if (option == 'V') {
-            printf("%s %d.%d.%d\n", program, HTREE_VERSION_MAJOR, HTREE_VERSION_MINOR,
-                   HTREE_VERSION_PATCH);
-            return ARGS_DONE;
-        }
-        if (option == ':' || option == '?')
-            return option_complain(program, option, argv), ARGS_WRONG;
+    const option_syntax syntax = {program, help, ":qhV", long_options};
+    args_result result;
+    for (int option; (option = option_next(&syntax, argc, argv, &result)) != -1;) {
         if (!take_option(out, option, optarg)) return ARGS_WRONG;
     }
+    if (result != ARGS_RUN) return result;
     out->threads = option_threads(out->threads);
     for (; optind < argc; ++optind) {
         scene_wish *wish = next_scene(out);

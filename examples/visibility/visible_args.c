@@ -144,27 +144,13 @@ static visible_args default_args(void) {
 args_result visible_args_parse(visible_args *out, int argc, char **argv) {
     bool scene = false;
     *out = default_args();
-    opterr = 0;
-    for (;;) {
-        const int option = getopt_long(argc, argv, ":o:qhV", long_options, NULL);
-        if (option == -1) break;
-        if (option == 'h') return fputs(help, stdout), ARGS_DONE;
-        if (option == 'V') {
-            printf("%s %d.%d.%d\n", program, HTREE_VERSION_MAJOR, HTREE_VERSION_MINOR,
-                   HTREE_VERSION_PATCH);
-            return ARGS_DONE;
-        }
-        if (option == ':' || option == '?')
-            return option_complain(program, option, argv), ARGS_WRONG;
+    const option_syntax syntax = {program, help, ":o:qhV", long_options};
+    args_result result;
+    for (int option; (option = option_next(&syntax, argc, argv, &result)) != -1;) {
         if (!take_option(out, option, optarg)) return ARGS_WRONG;
         scene = scene || option == OPTION_SCENE;
     }
+    if (result != ARGS_RUN) return result;
     out->threads = option_threads(out->threads);
-    if (optind < argc) out->mesh_path = argv[optind];
-    if (argc - optind > 1)
-        return option_wrong(program, "one mesh at a time, not '%s' too", argv[optind + 1]),
-               ARGS_WRONG;
-    if (out->mesh_path && scene)
-        return option_wrong(program, "give a mesh or --scene, not both"), ARGS_WRONG;
-    return ARGS_RUN;
+    return option_one_mesh(program, argc, argv, scene, &out->mesh_path) ? ARGS_RUN : ARGS_WRONG;
 }

@@ -97,6 +97,15 @@ htree_mesh mesh_of(const shape *s) {
     return mesh;
 }
 
+htree_mesh plain_mesh(const float *xyz, uint64_t triangles) {
+    htree_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.positions = xyz;
+    mesh.vertex_count = 3 * triangles;
+    mesh.triangle_count = triangles;
+    return mesh;
+}
+
 const float *mesh_corner(const htree_mesh *mesh, uint64_t triangle, uint32_t corner) {
     const uint64_t slot = triangle * 3 + corner;
     const uint64_t vertex = mesh->indices != NULL ? mesh->indices[slot] : slot;

@@ -66,6 +66,9 @@ htree_kind next_kind(htree_kind kind);
 shape shape_of(const char *name, uint64_t triangles, uint32_t seed);
 htree_mesh mesh_of(const shape *s);
 
+/* A mesh without indices: nine floats a triangle, borrowed. */
+htree_mesh plain_mesh(const float *xyz, uint64_t triangles);
+
 /* Corner 0, 1 or 2 of a triangle: three floats inside the mesh. */
 const float *mesh_corner(const htree_mesh *mesh, uint64_t triangle, uint32_t corner);
 
