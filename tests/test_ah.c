@@ -1,7 +1,6 @@
 /* test_ah.c: the AH-tree of section 7 on what it is made for and on what breaks it: objects larger than
  * a cell, in every share; a crowd in one cell; shelves inside shelves; planes as loose as the paper's. */
 #include "oracle.h"
-#include "rays.h"
 
 static uint64_t trees_proved, rays_compared;
 
@@ -34,22 +33,11 @@ static double build_seconds(const htree_mesh *mesh, const htree_options *options
 
 static htree_stats compare(const htree_mesh *mesh, const htree_options *options, uint64_t rays) {
     htree *const tree = tree_of(mesh, options);
-    const ray_target target = ray_target_of(mesh);
-    oracle o = oracle_of(mesh);
-    dice d = {7};
-    for (uint64_t i = 0; i < rays; ++i) {
-        htree_ray ray;
-        htree_hit hit;
-        rays_make(&target, (uint32_t)(i % RAY_FAMILIES), &d, &ray, 1);
-        const htree_hit should = oracle_closest(&o, &ray);
-        assert_int_equal(htree_intersect(tree, &ray, 1, &hit, NULL), HTREE_OK);
-        assert_memory_equal(&hit, &should, sizeof hit);
-    }
+    oracle_compare(tree, mesh, rays, 7);
     const htree_stats stats = stats_of(tree);
     assert_true(stats.leaves == stats.references);
     rays_compared += rays;
     ++trees_proved;
-    oracle_free(&o);
     htree_free(tree);
     return stats;
 }

@@ -11,21 +11,6 @@ static uint64_t trees_built;
 /* Levels that any tree may have; half of it is enough for a million triangles in good order. */
 enum { DEPTH_LIMIT = 160 };
 
-static void compare_rays(const htree *tree, const htree_mesh *mesh, uint64_t count) {
-    const ray_target target = ray_target_of(mesh);
-    oracle o = oracle_of(mesh);
-    dice d = {1};
-    for (uint64_t i = 0; i < count; ++i) {
-        htree_ray ray;
-        htree_hit hit;
-        rays_make(&target, (uint32_t)(i % RAY_FAMILIES), &d, &ray, 1);
-        const htree_hit should = oracle_closest(&o, &ray);
-        assert_int_equal(htree_intersect(tree, &ray, 1, &hit, NULL), HTREE_OK);
-        assert_memory_equal(&hit, &should, sizeof hit);
-    }
-    oracle_free(&o);
-}
-
 /* Returns the seconds of the build. */
 static double prove(const htree_mesh *mesh, htree_kind kind, uint32_t depth_limit, uint64_t rays) {
     htree *const tree = tree_of_kind(mesh, kind);
@@ -33,7 +18,7 @@ static double prove(const htree_mesh *mesh, htree_kind kind, uint32_t depth_limi
     if (stats.depth > depth_limit)
         fail_msg("%s: depth %u > %u", htree_kind_name(kind), stats.depth, depth_limit);
     assert_true(stats.stack <= stats.depth);
-    compare_rays(tree, mesh, rays);
+    oracle_compare(tree, mesh, rays, 1);
     htree_free(tree);
     ++trees_built;
     return stats.build_seconds;

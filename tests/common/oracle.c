@@ -1,5 +1,6 @@
 /* oracle.c: brute force. */
 #include "oracle.h"
+#include "rays.h"
 
 #include "trace/triangle.h"
 
@@ -108,4 +109,19 @@ htree_box oracle_bounds(const oracle *o) {
         grow(&box, o->objects.boxes[j].lo, o->objects.boxes[j].hi);
     }
     return box;
+}
+
+void oracle_compare(const htree *tree, const htree_mesh *mesh, uint64_t rays, uint64_t seed) {
+    const ray_target target = ray_target_of(mesh);
+    oracle o = oracle_of(mesh);
+    dice d = {seed};
+    for (uint64_t i = 0; i < rays; ++i) {
+        htree_ray ray;
+        htree_hit hit;
+        rays_make(&target, (uint32_t)(i % RAY_FAMILIES), &d, &ray, 1);
+        const htree_hit should = oracle_closest(&o, &ray);
+        assert_int_equal(htree_intersect(tree, &ray, 1, &hit, NULL), HTREE_OK);
+        assert_memory_equal(&hit, &should, sizeof hit);
+    }
+    oracle_free(&o);
 }
