@@ -171,26 +171,24 @@ enum {
     HTREE_BEST = 103      /* build once, trace for long */
 };
 
-/* "h", "bvh-sah", "fast", ... or NULL for a number that is none; and back, 0 for an unknown name. */
+/* "h", "bvh-sah", "fast", ... or NULL for a number that is no kind, static; and back, 0 for NULL or a
+ * name that is none. Any thread. */
 HTREE_API const char *htree_kind_name(htree_kind kind);
 HTREE_API htree_kind htree_kind_from_name(const char *name);
 
 /* Flags of htree_options. */
 enum {
     HTREE_STRICT = 1, /* refuse NaN, infinite and oversize coordinates instead of skipping them */
-    HTREE_ANY_PLANES =
-        2, /* H, AH: bounding nodes of any of the 63 sets of planes, not BV2 and BV6 only */
-    HTREE_LOOSE_PLANES =
-        4 /* AH: keep the planes that the grid gives, half a cell wide, as in the paper */
+    HTREE_ANY_PLANES = 2,  /* H, AH: bounding nodes of any of 63 plane sets, not BV2 and BV6 only */
+    HTREE_LOOSE_PLANES = 4 /* AH: planes as the grid gives them, half a cell wide (section 7.1) */
 };
 
 /* How to build. htree_options_init writes every default; change what you need after it. */
 typedef struct htree_options {
     uint32_t size; /* sizeof(htree_options), written by htree_options_init */
     htree_kind kind;
-    uint32_t flags; /* HTREE_STRICT, ... */
-    uint32_t
-        threads; /* for the build and for queries: 0 all cores, 1 the caller's only, n at most n */
+    uint32_t flags;   /* HTREE_STRICT, ... */
+    uint32_t threads; /* of the build and of queries: 0 all cores, 1 the caller's, n at most n */
 
     uint32_t buckets; /* M of the paper's section 5, 2 to 64: cost is evaluated at M - 1 planes */
     uint32_t axes;    /* 1: split along the widest extent of centroids only; 3: try all axes */
@@ -201,17 +199,17 @@ typedef struct htree_options {
     float cost_bv6;       /* C_6PN^T, clipping by six planes (eq. 4) */
     float cost_intersect; /* C_IT, one ray-object test */
 
-    float
-        cells_per_prim; /* AH: cells of a grid for each object, 1/64 to 64; c^3 of M = c N^(1/3) */
-    uint32_t
-        few_prims; /* AH: ranges of cells with no more objects are built as an H-tree, 1 to 2^20 */
+    /* The AH-tree's grid, section 7.1. */
+    float cells_per_prim; /* cells for each object, 1/64 to 64: c^3 of M = c N^(1/3) */
+    uint32_t few_prims;   /* ranges of no more objects are built as an H-tree, 1 to 2^20 */
 
     htree_allocator allocator;
     htree_tasks tasks;
     htree_progress progress; /* of htree_build only */
 } htree_options;
 
-/* Writes the defaults of `kind` into *options; size is sizeof(htree_options). */
+/* Writes the defaults of `kind` into *options; size is sizeof(htree_options).
+ * Errors     ARGUMENT: NULL, another size, no kind; then *options is as it was. */
 HTREE_API htree_status htree_options_init(htree_options *options, uint64_t size, htree_kind kind);
 
 /* Measures the four costs on this machine, as in section 6.3 of the paper, and writes them to *options, in
@@ -258,6 +256,8 @@ typedef struct htree_query {
     htree_progress progress;
 } htree_query;
 
+/* Writes the defaults into *query; size is sizeof(htree_query).
+ * Errors     ARGUMENT; then *query is as it was. */
 HTREE_API htree_status htree_query_init(htree_query *query, uint64_t size);
 
 /* Writes the closest hit of every ray: hits[i] of rays[i].
@@ -276,7 +276,8 @@ HTREE_API htree_status htree_occluded(const htree *tree, const htree_ray *rays, 
 
 /* ---- Inspect ------------------------------------------------------------------------------ */
 
-/* Bounds of everything that can be hit; lo = +inf, hi = -inf if there is nothing. */
+/* Bounds of everything that can be hit; lo = +inf, hi = -inf if there is nothing. Any thread.
+ * Errors     ARGUMENT. */
 HTREE_API htree_status htree_get_bounds(const htree *tree, htree_box *bounds);
 
 typedef struct htree_stats {
@@ -302,7 +303,8 @@ typedef struct htree_stats {
     double sah_cost; /* expected cost of a random ray that meets the bounds, in the options' unit */
 } htree_stats;
 
-/* Fills *stats, whose `size` the caller has set. Walks the tree: O(nodes). */
+/* Fills *stats, whose `size` the caller has set. Walks the tree: O(nodes). Any thread.
+ * Errors     ARGUMENT, CORRUPT. */
 HTREE_API htree_status htree_get_stats(const htree *tree, htree_stats *stats);
 
 /* Proves the structure: every node is reached once, every box and plane contains what lies below
