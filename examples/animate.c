@@ -31,7 +31,7 @@ static bool fail(animation *a, const char *cause) {
     return false;
 }
 
-/* ---- Which frames ---------------------------------------------------------------------------- */
+/* ---- Which frames --------------------------------------------------------------------------- */
 
 static bool plan(animation *a) {
     const anim_args *args = &a->args;
@@ -63,7 +63,7 @@ static bool open_all(animation *a) {
     return !args->webp || a->webp;
 }
 
-/* ---- One frame ------------------------------------------------------------------------------- */
+/* ---- One frame ------------------------------------------------------------------------------ */
 
 static bool show(animation *a, uint32_t index) {
     const anim_args *args = &a->args;
@@ -109,7 +109,7 @@ static bool play(animation *a) {
     return ok;
 }
 
-/* ---- The whole ------------------------------------------------------------------------------- */
+/* ---- The whole ------------------------------------------------------------------------------ */
 
 static bool play_pipeline(animation *a) {
     double seconds;

@@ -1,5 +1,5 @@
-/* render.c: htree-render. Mesh -> tree -> primary rays -> picture and figures; the files are written
- * last, so that a run that fails leaves none behind.
+/* render.c: htree-render. Mesh -> tree -> primary rays -> picture and figures; the files are
+ * written last, so that a run that fails leaves none behind.
  *
  * SPDX-License-Identifier: MIT */
 #include "args.h"
@@ -86,7 +86,7 @@ static bool measure(render *r) {
     return status == HTREE_OK || fail_status(r, status);
 }
 
-/* ---- Pictures ----------------------------------------------------------------------------------- */
+/* ---- Pictures ------------------------------------------------------------------------------- */
 
 /* One number per pixel from its primary ray; NaN where there is nothing to show. */
 static float heat_value(const render *r, uint64_t i) {

@@ -50,7 +50,7 @@ static measure_job make_job(const table1_args *args, const bench_scene *scene) {
     return job;
 }
 
-/* ---- The table ------------------------------------------------------------------------------- */
+/* ---- The table ------------------------------------------------------------------------------ */
 
 /* One answer: if the structures disagree about a single hit, their times mean nothing. */
 static bool same_answers(table1 *t, const table_block *block) {
@@ -118,7 +118,7 @@ static bool run_table(table1 *t) {
     return true;
 }
 
-/* ---- The studies ----------------------------------------------------------------------------- */
+/* ---- The studies ---------------------------------------------------------------------------- */
 
 static bool run_growth(table1 *t) {
     const table1_args *args = &t->args;

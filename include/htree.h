@@ -37,7 +37,7 @@ extern "C" {
 #define HTREE_API
 #endif
 
-/* ---- Version ------------------------------------------------------------------------------ */
+/* ---- Version -------------------------------------------------------------------------------- */
 
 #define HTREE_VERSION_MAJOR 0
 #define HTREE_VERSION_MINOR 1
@@ -46,7 +46,7 @@ extern "C" {
 /* Version of the library that is linked: major * 10000 + minor * 100 + patch. */
 HTREE_API uint32_t htree_version(void);
 
-/* ---- Status ------------------------------------------------------------------------------- */
+/* ---- Status --------------------------------------------------------------------------------- */
 
 typedef int32_t htree_status;
 
@@ -68,7 +68,7 @@ HTREE_API const char *htree_status_name(htree_status status);
  * none did. Never NULL; stays valid until the next call that fails on this thread. */
 HTREE_API const char *htree_error_text(void);
 
-/* ---- Rays and hits: the same bytes in C, in OpenCL C and in every binding ----------------- */
+/* ---- Rays and hits: the same bytes in C, in OpenCL C and in every binding ------------------- */
 
 /* A point of the ray is org + t * dir; dir need not be normalised, and t is in lengths of dir.
  * Hits count for tmin <= t <= tmax; tmin may be negative, tmax may be infinite.
@@ -97,7 +97,7 @@ typedef struct htree_box {
     float lo[3], hi[3];
 } htree_box;
 
-/* ---- Geometry ----------------------------------------------------------------------------- */
+/* ---- Geometry ------------------------------------------------------------------------------- */
 
 /* Intersects object `object` (0-based) with the ray: returns nonzero and fills t, u, v of *hit if
  * the object is hit with tmin <= t <= tmax, at its smallest such t; the library sets prim. Must be
@@ -127,7 +127,7 @@ typedef struct htree_mesh {
     uint64_t reserved[2];         /* 0 */
 } htree_mesh;
 
-/* ---- Hooks: all optional, a zeroed hook means the library's own way ----------------------- */
+/* ---- Hooks: all optional, a zeroed hook means the library's own way ------------------------- */
 
 /* Memory. allocate returns `bytes` bytes at a multiple of `alignment` (a power of two) or NULL;
  * release gets the same `bytes` back. Called from any thread that works for the call. */
@@ -152,7 +152,7 @@ typedef struct htree_progress {
     void *user;
 } htree_progress;
 
-/* ---- Options ------------------------------------------------------------------------------ */
+/* ---- Options -------------------------------------------------------------------------------- */
 
 typedef int32_t htree_kind;
 
@@ -165,14 +165,15 @@ enum {
     HTREE_H = 6,          /* H-tree: spatial kd-tree with sparse bounding volumes */
     HTREE_AH = 7,         /* H-tree by a 3D grid and a summed-area table: O(N log log N) */
 
-    /* For those who do not want to choose; htree_options_init puts one of the kinds in their place. */
+    /* For those who do not want to choose; htree_options_init puts one of the kinds in their
+     * place. */
     HTREE_FAST = 101,     /* build every frame, trace a few rays a triangle */
     HTREE_BALANCED = 102, /* the default */
     HTREE_BEST = 103      /* build once, trace for long */
 };
 
-/* "h", "bvh-sah", "fast", ... or NULL for a number that is no kind, static; and back, 0 for NULL or a
- * name that is none. Any thread. */
+/* "h", "bvh-sah", "fast", ... or NULL for a number that is no kind, static; and back, 0 for
+ * NULL or a name that is none. Any thread. */
 HTREE_API const char *htree_kind_name(htree_kind kind);
 HTREE_API htree_kind htree_kind_from_name(const char *name);
 
@@ -212,12 +213,14 @@ typedef struct htree_options {
  * Errors     ARGUMENT: NULL, another size, no kind; then *options is as it was. */
 HTREE_API htree_status htree_options_init(htree_options *options, uint64_t size, htree_kind kind);
 
-/* Measures the four costs on this machine, as in section 6.3 of the paper, and writes them to *options, in
- * units of cost_skd. Takes some milliseconds. What it finds depends on timing, and so will the tree.
+/* Measures the four costs on this machine, as in section 6.3 of the paper, and writes them to
+ * *options, in units of cost_skd. Takes some milliseconds. What it finds depends on timing, and
+ * so will the tree.
+ *
  * Errors     ARGUMENT, MEMORY. */
 HTREE_API htree_status htree_calibrate(htree_options *options);
 
-/* ---- Build -------------------------------------------------------------------------------- */
+/* ---- Build ---------------------------------------------------------------------------------- */
 
 typedef struct htree htree;
 
@@ -236,7 +239,7 @@ HTREE_API htree_status htree_build(htree **out, const htree_mesh *mesh,
 /* Frees the tree. NULL is allowed. No query may be running on it. */
 HTREE_API void htree_free(htree *tree);
 
-/* ---- Query -------------------------------------------------------------------------------- */
+/* ---- Query ---------------------------------------------------------------------------------- */
 
 /* What one ray cost, in the paper's terms. */
 typedef struct htree_counters {
@@ -274,7 +277,7 @@ HTREE_API htree_status htree_intersect(const htree *tree, const htree_ray *rays,
 HTREE_API htree_status htree_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
                                       uint8_t *occluded, const htree_query *query);
 
-/* ---- Inspect ------------------------------------------------------------------------------ */
+/* ---- Inspect -------------------------------------------------------------------------------- */
 
 /* Bounds of everything that can be hit; lo = +inf, hi = -inf if there is nothing. Any thread.
  * Errors     ARGUMENT. */

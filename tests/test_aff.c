@@ -78,7 +78,7 @@ static void must_be(const double *got, double x, double y, double z) {
             fail_msg("%g %g %g is not %g %g %g", got[0], got[1], got[2], x, y, z);
 }
 
-/* ---- A scene with everything ----------------------------------------------------------------- */
+/* ---- A scene with everything ---------------------------------------------------------------- */
 
 static const char part[] = "# a part\nm vertices 3 0 0 0 1 0 0 0 1 0 triangles 2 0 1 2 0 0 1\n";
 
@@ -156,7 +156,7 @@ static void test_places(void **state) {
     aff_free(scene);
 }
 
-/* ---- Splines --------------------------------------------------------------------------------- */
+/* ---- Splines -------------------------------------------------------------------------------- */
 
 static spline_key key_at(double time, double x, double tension) {
     spline_key key;
@@ -225,7 +225,7 @@ static void test_rotations(void **state) {
     assert_true(fabs(fabs(q[0]) - cos(12.5 * 3.14159265358979323846 / 180)) < 1e-9);
 }
 
-/* ---- Cones ----------------------------------------------------------------------------------- */
+/* ---- Cones ---------------------------------------------------------------------------------- */
 
 typedef struct thrown_cone {
     double base[3], top[3], r0, r1;
@@ -300,7 +300,7 @@ static void test_cones(void **state) {
     assert_true(hits > 1000);
 }
 
-/* ---- Broken texts ---------------------------------------------------------------------------- */
+/* ---- Broken texts --------------------------------------------------------------------------- */
 
 static void test_errors(void **state) {
     (void)state;
@@ -360,7 +360,7 @@ static void test_broken(void **state) {
         (unsigned long long)flips, (unsigned long long)read);
 }
 
-/* ---- Runs ------------------------------------------------------------------------------------ */
+/* ---- Runs ----------------------------------------------------------------------------------- */
 
 static int set_up(void **state) {
     (void)state;

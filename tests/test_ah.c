@@ -1,5 +1,6 @@
-/* test_ah.c: the AH-tree of section 7 on what it is made for and on what breaks it: objects larger than
- * a cell, in every share; a crowd in one cell; shelves inside shelves; planes as loose as the paper's. */
+/* test_ah.c: the AH-tree of section 7 on what it is made for and on what breaks it: objects
+ * larger than a cell, in every share; a crowd in one cell; shelves inside shelves; planes as
+ * loose as the paper's. */
 #include "oracle.h"
 
 static uint64_t trees_proved, rays_compared;

@@ -1,5 +1,5 @@
-/* test_build.c: builders on every small size, on every input that breaks builders, and on every layout
- * of the arrays. The trees are proved by htree_check and by rays against the oracle. */
+/* test_build.c: builders on every small size, on every input that breaks builders, and on every
+ * layout of the arrays. The trees are proved by htree_check and by rays against the oracle. */
 #include "oracle.h"
 #include "rays.h"
 
@@ -54,11 +54,12 @@ static void report(const char *what) {
     trees_built = rays_compared = 0;
 }
 
-/* ---- Small trees ------------------------------------------------------------------------------ */
+/* ---- Small trees ---------------------------------------------------------------------------- */
 
 enum { DISTRIBUTIONS = 6 };
 
-/* One coordinate of a vertex: uniform, flat, on a line, on a small lattice, clustered, all equal. */
+/* One coordinate of a vertex: uniform, flat, on a line, on a small lattice, clustered, all
+ * equal. */
 static float coordinate(uint32_t distribution, uint64_t triangle, uint32_t axis, dice *d) {
     const float spread = dice_between(d, -0.1f, 0.1f);
     switch (distribution) {
@@ -109,7 +110,7 @@ static void bvh_sah_and_h_are_built(void **state) {
     assert_true(bvh_sah && h);
 }
 
-/* ---- Inputs that are no triangles -------------------------------------------------------------- */
+/* ---- Inputs that are no triangles ----------------------------------------------------------- */
 
 /* Spoils every third triangle with a bad number, every seventh by removing its area. */
 static void spoil(float *xyz, uint64_t triangles, dice *d) {
@@ -200,7 +201,7 @@ static void the_largest_coordinate_is_valid(void **state) {
     }
 }
 
-/* ---- Layouts of the arrays ---------------------------------------------------------------------- */
+/* ---- Layouts of the arrays ------------------------------------------------------------------ */
 
 /* The same triangles without indices and with a stride give the same hits and the same bounds. */
 static void strides_and_indices_do_not_matter(void **state) {

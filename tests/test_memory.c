@@ -73,7 +73,8 @@ static void stage_end(stage *g) {
     shape_free(&g->s);
 }
 
-/* Builds, queries, inspects and frees; the hits go to `hits`. Returns the allocations of the build. */
+/* Builds, queries, inspects and frees; the hits go to `hits`. Returns the allocations of the
+ * build. */
 static uint64_t clean_run(stage *g, htree_hit *hits) {
     htree *tree = NULL;
     ledger_fail(&g->books, 0, false);
@@ -97,7 +98,7 @@ static void for_each_scenario(void (*prove)(stage *g)) {
     free(g);
 }
 
-/* ---- Books --------------------------------------------------------------------------------------- */
+/* ---- Books ---------------------------------------------------------------------------------- */
 
 static void prove_balance(stage *g) {
     htree *tree = NULL;
@@ -123,7 +124,7 @@ static void every_byte_is_counted_and_comes_back(void **state) {
     for_each_scenario(prove_balance);
 }
 
-/* ---- Failures ------------------------------------------------------------------------------------ */
+/* ---- Failures ------------------------------------------------------------------------------- */
 
 static void fail_build_at(stage *g, uint64_t call, bool for_good) {
     htree *tree = (htree *)(uintptr_t)8;
@@ -159,7 +160,8 @@ static void a_build_survives_the_failure_of_any_allocation(void **state) {
     for_each_scenario(prove_failures);
 }
 
-/* Queries allocate nothing, so no failure can reach them; a check says that it could not be made. */
+/* Queries allocate nothing, so no failure can reach them; a check says that it could not be
+ * made. */
 static void prove_tree_without_memory(stage *g) {
     htree *tree = NULL;
     (void)clean_run(g, g->first_hits);

@@ -1,4 +1,5 @@
-/* test_objects.c: objects known by box and callback, alone and among triangles, equal the oracle. */
+/* test_objects.c: objects known by box and callback, alone and among triangles, equal the
+ * oracle. */
 #include "oracle.h"
 #include "rays.h"
 
@@ -11,9 +12,10 @@ typedef struct ball {
 
 static uint64_t rays_compared, hits_found;
 
-/* ---- Balls ---------------------------------------------------------------------------------------- */
+/* ---- Balls ---------------------------------------------------------------------------------- */
 
-/* The float t of a root counts if its point is on the ball, up to rounding: what htree.h asks for. */
+/* The float t of a root counts if its point is on the ball, up to rounding: what htree.h asks
+ * for. */
 static bool is_on_ball(const ball *b, const htree_ray *ray, float t) {
     if (!(ray->tmin <= t && t <= ray->tmax)) return false;
     for (int k = 0; k < 3; ++k) {
@@ -64,7 +66,7 @@ static void make_balls(ball *balls, htree_box *boxes, uint32_t count, const htre
     }
 }
 
-/* ---- Proof ---------------------------------------------------------------------------------------- */
+/* ---- Proof ---------------------------------------------------------------------------------- */
 
 static void compare(const htree_mesh *mesh, const ray_target *target, uint64_t count,
                     uint64_t seed) {
@@ -133,7 +135,7 @@ static void balls_among_triangles_equal_oracle(void **state) {
     balls_among("terrain", 300, 10, 30000);
 }
 
-/* ---- Callbacks and boxes that do not behave ------------------------------------------------------- */
+/* ---- Callbacks and boxes that do not behave ------------------------------------------------- */
 
 typedef struct answer {
     float t, u, v;

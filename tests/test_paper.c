@@ -37,7 +37,7 @@ static void for_each_shape(htree_kind kind, void (*prove)(const char *name, cons
     say("%s: %u trees", htree_kind_name(kind), trees);
 }
 
-/* ---- Section 5: BVH by SAH ----------------------------------------------------------------------- */
+/* ---- Section 5: BVH by SAH ------------------------------------------------------------------ */
 
 static void prove_binary(const char *name, const htree *tree, const htree_stats *stats) {
     const uint64_t n = hittable(stats);
@@ -55,7 +55,7 @@ static void a_bvh_has_one_object_a_leaf_and_2n_minus_1_nodes(void **state) {
     for_each_shape(HTREE_BVH_SAH, prove_binary);
 }
 
-/* ---- Section 6: H-trees -------------------------------------------------------------------------- */
+/* ---- Section 6: H-trees --------------------------------------------------------------------- */
 
 static void prove_types(const char *name, const htree *tree, const htree_stats *stats) {
     const uint64_t n = hittable(stats);
@@ -104,7 +104,7 @@ static void an_h_tree_has_six_planes_at_the_root_and_two_below(void **state) {
     for_each_shape(HTREE_H, prove_root);
 }
 
-/* ---- Section 10: sizes and steps ------------------------------------------------------------------ */
+/* ---- Section 10: sizes and steps ------------------------------------------------------------ */
 
 typedef struct work {
     double steps, tests;

@@ -1,5 +1,5 @@
-/* test_skew.c: inputs that no split separates or that every split separates badly: builds stay quick,
- * depth stays bounded, and a thread with a small stack is enough. */
+/* test_skew.c: inputs that no split separates or that every split separates badly: builds stay
+ * quick, depth stays bounded, and a thread with a small stack is enough. */
 #include "oracle.h"
 #include "rays.h"
 
@@ -29,7 +29,7 @@ static void put_triangle(float *p, float x, float y, float z, float size) {
     memcpy(p, corner, sizeof corner);
 }
 
-/* ---- The claims ------------------------------------------------------------------------------- */
+/* ---- The claims ----------------------------------------------------------------------------- */
 
 /* n triangles that are one: the depth is that of a balanced tree, and time that of random ones. */
 static void identical_triangles_are_split_by_index(void **state) {
@@ -130,7 +130,7 @@ static void heaps_are_bounded(void **state) {
 
 #ifndef SUITE_SANITIZED /* sanitizers need stack of their own */
 
-/* ---- A small stack ------------------------------------------------------------------------------ */
+/* ---- A small stack -------------------------------------------------------------------------- */
 
 typedef struct errand {
     const htree_mesh *mesh;

@@ -1,4 +1,5 @@
-/* test_tasks.c: threads, hooks and progress change nothing but time; queries and builds run at once. */
+/* test_tasks.c: threads, hooks and progress change nothing but time; queries and builds run at
+ * once. */
 #include "ledger.h"
 #include "rays.h"
 
@@ -50,7 +51,8 @@ static void stage_free(stage *g) {
     free(g);
 }
 
-/* The tree and the hits are those of one thread: the same numbers, and the same steps for every ray. */
+/* The tree and the hits are those of one thread: the same numbers, and the same steps for every
+ * ray. */
 static void prove_same(stage *g, const htree_options *options) {
     htree *const tree = tree_of(&g->mesh, options);
     htree_stats stats = stats_of(tree);
@@ -76,7 +78,7 @@ static void for_each_kind(const char *name, uint64_t triangles, void (*prove)(st
     }
 }
 
-/* ---- Threads and hooks --------------------------------------------------------------------------- */
+/* ---- Threads and hooks ---------------------------------------------------------------------- */
 
 static void prove_threads(stage *g) {
     static const uint32_t counts[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 64, UINT32_MAX};
@@ -156,7 +158,7 @@ static void a_task_hook_in_any_order_gives_the_same_tree_and_hits(void **state) 
     say("%llu builds and batches equal to those of one thread", (unsigned long long)combinations);
 }
 
-/* ---- Progress ------------------------------------------------------------------------------------ */
+/* ---- Progress ------------------------------------------------------------------------------- */
 
 typedef struct watch {
     pthread_t thread;
@@ -183,7 +185,8 @@ static htree_progress watch_begin(watch *w, uint64_t cancel_at) {
     return hook;
 }
 
-/* Returns the number of reports; 0 means that the build came to its end before report `cancel_at`. */
+/* Returns the number of reports; 0 means that the build came to its end before report
+ * `cancel_at`. */
 static uint64_t cancel_build(stage *g, uint32_t threads, uint64_t cancel_at) {
     watch w;
     ledger books;
@@ -264,7 +267,7 @@ static void a_batch_reports_in_order_and_stops_at_any_report(void **state) {
     say("%llu builds and batches cancelled", (unsigned long long)cancelled);
 }
 
-/* ---- At once ------------------------------------------------------------------------------------- */
+/* ---- At once -------------------------------------------------------------------------------- */
 
 typedef struct worker {
     stage *g;

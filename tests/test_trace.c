@@ -104,7 +104,7 @@ static void report(const char *what) {
     assert_int_equal(differences, 0);
 }
 
-/* ---- The claims ------------------------------------------------------------------------------ */
+/* ---- The claims ----------------------------------------------------------------------------- */
 
 static void every_kind_equals_oracle_on_every_shape_and_ray_family(void **state) {
     (void)state;

@@ -80,7 +80,7 @@ static const struct option long_options[] = {{"kind", required_argument, NULL, O
                                              {"version", no_argument, NULL, 'V'},
                                              {NULL, 0, NULL, 0}};
 
-/* ---- Values ---------------------------------------------------------------------------------- */
+/* ---- Values --------------------------------------------------------------------------------- */
 
 static bool parse_kind(anim_args *out, const char *text) {
     out->kind = htree_kind_from_name(text);
@@ -124,7 +124,7 @@ void anim_file_name(char *out, size_t size, const char *pattern, uint32_t index)
              (unsigned)index, sign + 2 + width);
 }
 
-/* ---- Options --------------------------------------------------------------------------------- */
+/* ---- Options -------------------------------------------------------------------------------- */
 
 static bool take_option(anim_args *out, int option, const char *value) {
     switch (option) {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- One frame ------------------------------------------------------------------------------- */
+/* ---- One frame ------------------------------------------------------------------------------ */
 
 static uint64_t pixels(const anim_stage *stage) {
     return (uint64_t)stage->args->width * stage->args->height;
@@ -111,7 +111,7 @@ bool anim_count(anim_slot *slot, const anim_stage *stage) {
     return true;
 }
 
-/* ---- Two at once ----------------------------------------------------------------------------- */
+/* ---- Two at once ---------------------------------------------------------------------------- */
 
 typedef struct belt {
     anim_slot *slots;

@@ -53,7 +53,7 @@ anim_figures anim_mean(const anim_figures *frames, uint32_t count) {
     return mean;
 }
 
-/* ---- Text ------------------------------------------------------------------------------------ */
+/* ---- Text ----------------------------------------------------------------------------------- */
 
 static void print_table(const figure *list) {
     for (const figure *f = list; f->key && f - list < 9; ++f)
@@ -87,7 +87,7 @@ void anim_report_print(const anim_report *r) {
                (unsigned long long)r->verdict.edges, (unsigned long long)r->verdict.wrong);
 }
 
-/* ---- JSON ------------------------------------------------------------------------------------ */
+/* ---- JSON ----------------------------------------------------------------------------------- */
 
 /* Counts are exact with 15 digits; JSON has no word for infinity. */
 static void write_number(FILE *file, const char *key, double value) {

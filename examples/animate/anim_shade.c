@@ -31,7 +31,7 @@ static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* ---- Surfaces -------------------------------------------------------------------------------- */
+/* ---- Surfaces ------------------------------------------------------------------------------- */
 
 static void face_normal(const painter *p, uint32_t prim, const double *point, double *out) {
     const film *f = p->f;
@@ -70,7 +70,7 @@ static void take_surface(const painter *p, size_t i) {
     for (int k = 0; k < 3; ++k) s->light[k] = p->f->ambient * (float)(0.5 + 0.5 * front);
 }
 
-/* ---- Light ----------------------------------------------------------------------------------- */
+/* ---- Light ---------------------------------------------------------------------------------- */
 
 /* The ray starts a hair off the surface, in proportion to how coarse floats are there. */
 static void aim(const painter *p, size_t i, const film_light *light) {
@@ -119,7 +119,7 @@ static float dim_lights(const film *f) {
     return sum > 1 ? 1 / sum : 1;
 }
 
-/* ---- Rows ------------------------------------------------------------------------------------ */
+/* ---- Rows ----------------------------------------------------------------------------------- */
 
 static void make_rays(painter *p, const picture *out, uint32_t first, uint32_t rows) {
     htree_ray *ray = p->rays;

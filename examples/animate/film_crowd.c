@@ -26,7 +26,7 @@ typedef struct walker {
 static const uint64_t person_vertices = LIMBS * (2 + RINGS * SLICES);
 static const uint64_t person_triangles = LIMBS * 2 * RINGS * SLICES;
 
-/* ---- Moving ---------------------------------------------------------------------------------- */
+/* ---- Moving --------------------------------------------------------------------------------- */
 
 /* Turns (y, z) around a joint at height y0. */
 static void bend(double *p, double y0, double turns) {
@@ -76,7 +76,7 @@ static bool pose(const film *f, double time, film_frame *frame) {
     return true;
 }
 
-/* ---- Making ---------------------------------------------------------------------------------- */
+/* ---- Making --------------------------------------------------------------------------------- */
 
 /* An egg of revolution for every limb, blunter than an ellipse. */
 static void add_person(film_made *made, uint64_t seed) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Split triangles ------------------------------------------------------------------------- */
+/* ---- Split triangles ------------------------------------------------------------------------ */
 
 uint32_t aff_grid_vertices(uint32_t split) {
     const uint32_t n = 1u << split;
@@ -46,7 +46,7 @@ static bool push_patches(aff_scene *s) {
     return ok;
 }
 
-/* ---- Scenes ---------------------------------------------------------------------------------- */
+/* ---- Scenes --------------------------------------------------------------------------------- */
 
 aff_counts aff_count(const aff_scene *scene) {
     return scene->counts;

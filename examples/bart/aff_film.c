@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Split triangles ------------------------------------------------------------------------- */
+/* ---- Split triangles ------------------------------------------------------------------------ */
 
 /* The corners of a patch at a time, in its node's space: straight lines between the keys. */
 static void patch_corners(const aff_scene *s, const aff_patch *patch, double time, double *out) {
@@ -35,7 +35,7 @@ static float *pose_patch(const aff_scene *s, const aff_patch *patch, const affin
     return out;
 }
 
-/* ---- Frames ---------------------------------------------------------------------------------- */
+/* ---- Frames --------------------------------------------------------------------------------- */
 
 static void place_nodes(const aff_scene *s, double time, affine *world) {
     world[0] = s->nodes.at[0].local;
@@ -74,7 +74,7 @@ static bool pose(const film *f, double time, film_frame *frame) {
     return true;
 }
 
-/* ---- The view -------------------------------------------------------------------------------- */
+/* ---- The view ------------------------------------------------------------------------------- */
 
 static const aff_motion *find(const aff_scene *s, const char *name) {
     for (size_t i = 0; i < s->motions.count; ++i)
@@ -118,7 +118,7 @@ bool aff_placed(const aff_scene *scene, const char *name, double time, affine *o
     return found;
 }
 
-/* ---- The film -------------------------------------------------------------------------------- */
+/* ---- The film ------------------------------------------------------------------------------- */
 
 void aff_film(const aff_scene *scene, film *out) {
     memset(out, 0, sizeof *out);

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* ---- Vertices and triangles ------------------------------------------------------------------ */
+/* ---- Vertices and triangles ----------------------------------------------------------------- */
 
 static uint32_t current_material(const aff_reader *r) {
     return (uint32_t)r->scene->materials.count - 1;
@@ -43,7 +43,7 @@ static bool add_triangle(aff_reader *r, uint32_t a, uint32_t b, uint32_t c, uint
            aff_no_memory(r);
 }
 
-/* ---- Meshes ---------------------------------------------------------------------------------- */
+/* ---- Meshes --------------------------------------------------------------------------------- */
 
 enum { VERTICES, NORMALS, TEXTURE, ARRAYS };
 
@@ -94,7 +94,7 @@ bool aff_read_mesh(aff_reader *r) {
            read_mesh_triangles(r, first, counts);
 }
 
-/* ---- Polygons -------------------------------------------------------------------------------- */
+/* ---- Polygons ------------------------------------------------------------------------------- */
 
 /* A fan around the first corner, as they come, so that any number of them needs no memory here. */
 static bool read_corners(aff_reader *r, uint32_t count, uint32_t numbers) {
@@ -122,7 +122,7 @@ bool aff_read_textured(aff_reader *r, uint32_t numbers) {
     return read_corners(r, 3, numbers);
 }
 
-/* ---- Cones and patches ----------------------------------------------------------------------- */
+/* ---- Cones and patches ---------------------------------------------------------------------- */
 
 bool aff_read_cone(aff_reader *r) {
     aff_scene *s = r->scene;

@@ -12,7 +12,7 @@
 /* A file beyond this is no AFF text; BART's largest has one megabyte. */
 enum { FILE_LIMIT = 1 << 28 };
 
-/* ---- Errors ---------------------------------------------------------------------------------- */
+/* ---- Errors --------------------------------------------------------------------------------- */
 
 bool aff_fail(aff_lexer *lexer, const char *format, ...) {
     aff_error *error = lexer->error;
@@ -35,7 +35,7 @@ static bool fail_word(aff_lexer *lexer, aff_word word, const char *what) {
                     word.start, what);
 }
 
-/* ---- Files ----------------------------------------------------------------------------------- */
+/* ---- Files ---------------------------------------------------------------------------------- */
 
 static bool slurp(FILE *file, aff_lexer *out) {
     size_t room = 1 << 16;
@@ -72,7 +72,7 @@ void aff_close(aff_lexer *lexer) {
     lexer->text = NULL;
 }
 
-/* ---- Words ----------------------------------------------------------------------------------- */
+/* ---- Words ---------------------------------------------------------------------------------- */
 
 static bool is_space(char c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || c == 0;

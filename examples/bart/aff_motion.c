@@ -25,7 +25,7 @@ bool aff_find_motion(aff_reader *r, aff_word name, int32_t *index) {
     return true;
 }
 
-/* ---- Keys ------------------------------------------------------------------------------------ */
+/* ---- Keys ----------------------------------------------------------------------------------- */
 
 LIST_OF(spline_key, spline_key)
 
@@ -98,7 +98,7 @@ bool aff_read_keys(aff_reader *r) {
     return true;
 }
 
-/* ---- Matrices -------------------------------------------------------------------------------- */
+/* ---- Matrices ------------------------------------------------------------------------------- */
 
 affine aff_motion_at(const aff_motion *motion, double time) {
     double scale[3] = {1, 1, 1}, turn[4] = {1, 0, 0, 0}, move[3] = {0, 0, 0};

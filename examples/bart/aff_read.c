@@ -13,7 +13,7 @@ bool aff_no_memory(aff_reader *r) {
     return aff_fail(r->lexer, "out of memory");
 }
 
-/* ---- Blocks and files ------------------------------------------------------------------------ */
+/* ---- Blocks and files ----------------------------------------------------------------------- */
 
 static bool deeper(aff_reader *r) {
     if (++r->depth <= DEPTH_LIMIT) return true;
@@ -98,7 +98,7 @@ static bool read_include(aff_reader *r) {
     return ok;
 }
 
-/* ---- Small statements ------------------------------------------------------------------------ */
+/* ---- Small statements ----------------------------------------------------------------------- */
 
 static bool read_view(aff_reader *r) {
     aff_view *v = &r->scene->view;
@@ -174,7 +174,7 @@ static bool read_material(aff_reader *r, bool full) {
     return true;
 }
 
-/* ---- Statements ------------------------------------------------------------------------------ */
+/* ---- Statements ----------------------------------------------------------------------------- */
 
 static bool read_statement(aff_reader *r, aff_word word) {
     if (aff_is(word, "i")) return read_include(r);

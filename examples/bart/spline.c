@@ -12,7 +12,7 @@ typedef struct segment {
     double u; /* 0 at from, 1 at to */
 } segment;
 
-/* ---- Which segment, which tangents ----------------------------------------------------------- */
+/* ---- Which segment, which tangents ---------------------------------------------------------- */
 
 static segment find_segment(const spline *s, double time) {
     const bool phantoms = s->count >= 4;
@@ -57,7 +57,7 @@ void spline_point(const spline *s, double time, double *xyz) {
     }
 }
 
-/* ---- Quaternions ----------------------------------------------------------------------------- */
+/* ---- Quaternions ---------------------------------------------------------------------------- */
 
 static double dot4(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];

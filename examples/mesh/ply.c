@@ -23,7 +23,7 @@ typedef struct ply_body {
     const char *line_end;       /* ascii: end of the row's line */
 } ply_body;
 
-/* ---- Values ---------------------------------------------------------------------------------- */
+/* ---- Values --------------------------------------------------------------------------------- */
 
 static bool fail_row(ply_body *body, const char *cause) {
     return ply_fail(body->reader, "%s in %s %llu of %llu", cause, body->element->name,
@@ -82,7 +82,7 @@ static bool read_value(ply_body *body, ply_type type, double *value) {
     return true;
 }
 
-/* ---- Rows ------------------------------------------------------------------------------------ */
+/* ---- Rows ----------------------------------------------------------------------------------- */
 
 static bool add_triangle(ply_body *body, const uint32_t *corner) {
     shape *out = body->out;
@@ -215,7 +215,7 @@ static bool read_body(ply_reader *reader, shape *out) {
     return true;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------- */
+/* ---- Files ---------------------------------------------------------------------------------- */
 
 /* The whole file, so that every count can be held against what is left. Pipes have no size to ask
  * for, hence the growing buffer. */

@@ -42,7 +42,7 @@ const ply_element *ply_find_element(const ply_reader *reader, const char *name) 
     return NULL;
 }
 
-/* ---- Words --------------------------------------------------------------------------------- */
+/* ---- Words ---------------------------------------------------------------------------------- */
 
 static bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r';
@@ -99,7 +99,7 @@ static bool parse_count(word w, uint64_t *count) {
     return w.length > 0;
 }
 
-/* ---- Lines --------------------------------------------------------------------------------- */
+/* ---- Lines ---------------------------------------------------------------------------------- */
 
 static bool parse_format(ply_reader *reader, const word *words) {
     static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};

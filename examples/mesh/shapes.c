@@ -9,7 +9,7 @@
 
 typedef bool (*shape_maker)(shape *s, uint64_t triangles, uint32_t seed);
 
-/* ---- Closed surfaces ------------------------------------------------------------------------- */
+/* ---- Closed surfaces ------------------------------------------------------------------------ */
 
 static bool make_ball(shape *s, uint64_t triangles, const double *origin, double radius) {
     /* stacks * 2 slices: 4 k (k - 1) triangles. */
@@ -60,7 +60,7 @@ static bool make_crowd(shape *s, uint64_t triangles, uint32_t seed) {
     return true;
 }
 
-/* ---- Torus knot ------------------------------------------------------------------------------ */
+/* ---- Torus knot ----------------------------------------------------------------------------- */
 
 static void knot_point(double turn, double *p) {
     const double r = 1 + 0.42 * cos_turns(3 * turn);
@@ -115,7 +115,7 @@ static bool make_knot(shape *s, uint64_t triangles, uint32_t seed) {
     return true;
 }
 
-/* ---- Height fields --------------------------------------------------------------------------- */
+/* ---- Height fields -------------------------------------------------------------------------- */
 
 typedef double (*height_function)(double x, double z, uint32_t seed);
 
@@ -187,7 +187,7 @@ static bool make_waves(shape *s, uint64_t triangles, uint32_t seed) {
     return make_field(s, triangles, seed, wave_height);
 }
 
-/* ---- Boxes ----------------------------------------------------------------------------------- */
+/* ---- Boxes ---------------------------------------------------------------------------------- */
 
 /* One block per cell. Heights follow 1 / u: most blocks are low, a few tower over everything. */
 static bool make_city(shape *s, uint64_t triangles, uint32_t seed) {
@@ -209,7 +209,7 @@ static bool make_city(shape *s, uint64_t triangles, uint32_t seed) {
     return true;
 }
 
-/* ---- Loose triangles ------------------------------------------------------------------------- */
+/* ---- Loose triangles ------------------------------------------------------------------------ */
 
 /* Edges shrink with N^(-1/3): every N covers about the same part of each triangle's surroundings.
  */
@@ -302,7 +302,7 @@ static bool make_none(shape *s, uint64_t triangles, uint32_t seed) {
     return reserve(s, 0, 0);
 }
 
-/* ---- The table ------------------------------------------------------------------------------- */
+/* ---- The table ------------------------------------------------------------------------------ */
 
 static const struct {
     const char *name, *text;

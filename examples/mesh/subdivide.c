@@ -93,7 +93,7 @@ static void find_edges(mesh_edges *e, const shape *mesh) {
     }
 }
 
-/* ---- Fans ------------------------------------------------------------------------------------ */
+/* ---- Fans ----------------------------------------------------------------------------------- */
 
 static uint32_t fan_of(uint32_t *fan, uint32_t corner) {
     while (fan[corner] != corner) corner = fan[corner] = fan[fan[corner]];
@@ -132,7 +132,7 @@ static void gather_rings(mesh_edges *e, const shape *mesh) {
         e->rings[mesh->indices[i]].fans += e->fan[i] == i;
 }
 
-/* ---- Positions ------------------------------------------------------------------------------- */
+/* ---- Positions ------------------------------------------------------------------------------ */
 
 /* An old vertex: smoothed within a surface or along a curve, else left. */
 static void place_vertex(const ring *r, const float *old, float *out) {

@@ -10,7 +10,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- Parsing --------------------------------------------------------------------------------- */
+/* ---- Parsing -------------------------------------------------------------------------------- */
 
 bool camera_parse(camera_wish *wish, const char *text) {
     double numbers[7] = {0};
@@ -31,7 +31,7 @@ bool camera_parse(camera_wish *wish, const char *text) {
     return memcmp(wish->eye, wish->look, sizeof wish->eye) != 0;
 }
 
-/* ---- Vectors --------------------------------------------------------------------------------- */
+/* ---- Vectors -------------------------------------------------------------------------------- */
 
 static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -65,7 +65,7 @@ static void make_basis(camera *c, int up_axis) {
     cross(c->right, c->forward, c->up);
 }
 
-/* ---- Framing --------------------------------------------------------------------------------- */
+/* ---- Framing -------------------------------------------------------------------------------- */
 
 /* Corner i of the triangles, or NULL if a coordinate is not finite. */
 static const float *finite_corner(const shape *mesh, uint64_t i) {
@@ -109,8 +109,9 @@ static void frame(camera *c, const shape *mesh) {
     for (int i = 0; i < 3; ++i) c->eye[i] = a * c->right[i] + b * c->up[i] + depth * c->forward[i];
 }
 
-/* The fit touches two opposite sides. Slide the eye until the other pair has equal margins too, then
- * let the wider pair set the slopes. Perspective makes this an iteration; three steps settle it. */
+/* The fit touches two opposite sides. Slide the eye until the other pair has equal margins too,
+ * then let the wider pair set the slopes. Perspective makes this an iteration; three steps
+ * settle it. */
 static void centre(camera *c, const shape *mesh) {
     const double aspect = c->slope_x / c->slope_y;
     for (int step = 0; step < 4; ++step) {

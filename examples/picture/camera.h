@@ -23,8 +23,8 @@ typedef struct camera {
 /* Reads "inside", "outside" or "ex,ey,ez,lx,ly,lz[,fov]" into *wish, whose `up` it leaves alone. */
 bool camera_parse(camera_wish *wish, const char *text);
 
-/* Outside: a three-quarter view in which the mesh fills the picture. Inside: from near
- * one end of the bounds along their length. A mesh without a finite vertex counts as the unit box. */
+/* Outside: a three-quarter view in which the mesh fills the picture. Inside: from near one end
+ * of the bounds along their length. A mesh without a finite vertex counts as the unit box. */
 camera camera_place(const camera_wish *wish, const shape *mesh, uint32_t width, uint32_t height);
 
 /* Looks from `eye` along `forward`, upright by `up`; vectors of any length. `fov` is the angle in

@@ -1,6 +1,7 @@
-/* shade.c: the picture is made in bands of rows, and each band in stages: primary rays, shadow rays,
- * ambient rays. A stage is one array of rays and one call, because batches are what the library
- * spreads over cores. Only + - * / and sqrt touch a colour: equal pictures on every machine. */
+/* shade.c: the picture is made in bands of rows, and each band in stages: primary rays, shadow
+ * rays, ambient rays. A stage is one array of rays and one call, because batches are what the
+ * library spreads over cores. Only + - * / and sqrt touch a colour: equal pictures on every
+ * machine. */
 #include "shade.h"
 
 #include "numbers.h"
@@ -48,7 +49,7 @@ static void cross(const double *a, const double *b, double *out) {
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* ---- Light ------------------------------------------------------------------------------------- */
+/* ---- Light ---------------------------------------------------------------------------------- */
 
 /* How far a probe from the eye, ahead and upwards, gets before it meets a ceiling; infinite if it
  * leaves the scene. */
@@ -104,7 +105,7 @@ static void add_background(float *sum, double height) {
     for (int i = 0; i < 3; ++i) sum[i] += (float)(top[i] + height * (bottom[i] - top[i]));
 }
 
-/* ---- Stages ------------------------------------------------------------------------------------ */
+/* ---- Stages --------------------------------------------------------------------------------- */
 
 static void find_surface(const painter *p, const htree_hit *hit, const htree_ray *ray,
                          surface *out) {
@@ -193,8 +194,9 @@ static htree_status trace_primary(painter *p, uint64_t first, uint32_t count, ui
     return HTREE_OK;
 }
 
-/* Shadow rays come first in the batch, then the ambient rays of each surface together. The samples
- * of a pixel share one spiral, of which each takes a part: its rays spread better than n spirals. */
+/* Shadow rays come first in the batch, then the ambient rays of each surface together. The
+ * samples of a pixel share one spiral, of which each takes a part: its rays spread better than
+ * n spirals. */
 static htree_status light_surfaces(painter *p, uint64_t first, uint32_t sample, uint32_t count) {
     const uint32_t n = p->ambient, spp = p->scene->args->spp;
     for (uint32_t i = 0; i < count; ++i) {
@@ -236,7 +238,7 @@ static void label_surfaces(painter *p, uint32_t count) {
     }
 }
 
-/* ---- Pictures ---------------------------------------------------------------------------------- */
+/* ---- Pictures ------------------------------------------------------------------------------- */
 
 static htree_status paint_band(painter *p, picture *out, uint64_t first, uint32_t count) {
     const render_args *args = p->scene->args;

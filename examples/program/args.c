@@ -75,7 +75,7 @@ static const struct option long_options[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* ---- Values ----------------------------------------------------------------------------------- */
+/* ---- Values --------------------------------------------------------------------------------- */
 
 static bool parse_scene(render_args *out, const char *text) {
     const size_t length = strcspn(text, ":");
@@ -123,7 +123,7 @@ static bool parse_up(render_args *out, const char *text) {
     return true;
 }
 
-/* ---- Options ---------------------------------------------------------------------------------- */
+/* ---- Options -------------------------------------------------------------------------------- */
 
 static void list_scenes(void) {
     for (const char *const *name = shape_names(); *name; ++name)

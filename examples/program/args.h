@@ -28,8 +28,8 @@ typedef struct render_args {
     bool stats, quiet;
 } render_args;
 
-/* ARGS_DONE: help, version or the list of scenes was asked for and is printed. ARGS_WRONG: a line on
- * stderr says what to do. The strings of *out point into argv. */
+/* ARGS_DONE: help, version or the list of scenes was asked for and is printed. ARGS_WRONG: a
+ * line on stderr says what to do. The strings of *out point into argv. */
 args_result args_parse(render_args *out, int argc, char **argv);
 
 #endif

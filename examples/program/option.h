@@ -30,11 +30,13 @@ typedef struct option_syntax {
     const struct option *options;
 } option_syntax;
 
-/* The next option that is the program's own, its value in optarg. -1 after the last, with ARGS_RUN in
- * *result; or after --help or --version, which are answered here, and after a wrong one. */
+/* The next option that is the program's own, its value in optarg. -1 after the last, with
+ * ARGS_RUN in *result; or after --help or --version, which are answered here, and after a wrong
+ * one. */
 int option_next(const option_syntax *syntax, int argc, char **argv, args_result *result);
 
-/* At most one mesh after the options, and not beside --scene. Leaves *path as it is if there is none. */
+/* At most one mesh after the options, and not beside --scene. Leaves *path as it is if there is
+ * none. */
 bool option_one_mesh(const char *program, int argc, char **argv, bool scene, const char **path);
 
 /* 0 is for all cores; the figures name the number that this comes to. */

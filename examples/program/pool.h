@@ -1,7 +1,7 @@
 /* pool.h: memory that is kept from one build to the next, through the allocator hook.
  *
- * A fresh page costs the kernel more than a builder needs to fill it, so a program that builds a tree
- * for every frame keeps what the last tree gave back. Not for several threads at once. */
+ * A fresh page costs the kernel more than a builder needs to fill it, so a program that builds
+ * a tree for every frame keeps what the last tree gave back. Not for several threads at once. */
 #ifndef POOL_H
 #define POOL_H
 
@@ -18,7 +18,8 @@ typedef struct pool {
     int count;
 } pool;
 
-/* The hook of a pool that starts as all zeros. The pool must outlive every tree built through it. */
+/* The hook of a pool that starts as all zeros. The pool must outlive every tree built through
+ * it. */
 htree_allocator pool_allocator(pool *p);
 
 /* Gives everything back; no tree may be left. */

@@ -14,8 +14,8 @@ typedef struct primary {
     double intersections, traversal_steps, leaf_steps;
 } primary;
 
-/* Traces the rays of `view`. On failure *out is empty and htree_error_text() or, for HTREE_ERROR_MEMORY,
- * the status says why. The caller frees with primary_free. */
+/* Traces the rays of `view`. On failure *out is empty and htree_error_text() or, for
+ * HTREE_ERROR_MEMORY, the status says why. The caller frees with primary_free. */
 htree_status primary_trace(primary *out, const htree *tree, const camera *view, uint32_t width,
                            uint32_t height, uint32_t threads);
 

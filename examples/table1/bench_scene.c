@@ -60,7 +60,7 @@ bool bench_scene_parse(scene_wish *wish, const char *text) {
     return option_shape(text, wish->name, &wish->triangles);
 }
 
-/* ---- Opening --------------------------------------------------------------------------------- */
+/* ---- Opening -------------------------------------------------------------------------------- */
 
 static bool fail(char *error, size_t size, const char *text) {
     snprintf(error, size, "%s", text);

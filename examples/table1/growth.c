@@ -94,7 +94,7 @@ htree_status growth_print(FILE *out, const growth_job *job) {
     return status;
 }
 
-/* ---- Precision ------------------------------------------------------------------------------- */
+/* ---- Precision ------------------------------------------------------------------------------ */
 
 static void print_sweep(FILE *out, const char *name, const char *what, const measure_row *rows,
                         uint32_t count) {

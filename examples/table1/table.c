@@ -20,7 +20,7 @@ const char *table_method_name(htree_kind kind) {
     }
 }
 
-/* ---- Text ------------------------------------------------------------------------------------ */
+/* ---- Text ----------------------------------------------------------------------------------- */
 
 /* 69451 as "69,451". */
 static const char *with_commas(char *out, size_t size, uint64_t number) {
@@ -80,7 +80,7 @@ void table_print_block(FILE *out, const table_block *block) {
     }
 }
 
-/* ---- Averages -------------------------------------------------------------------------------- */
+/* ---- Averages ------------------------------------------------------------------------------- */
 
 static double speedup(const measure_row *row, int which) {
     return which == 0 ? row->build_speedup : which == 1 ? row->trace_speedup : row->total_speedup;
@@ -109,7 +109,7 @@ void table_print_averages(FILE *out, const table_block *blocks, uint32_t count) 
     }
 }
 
-/* ---- Files ----------------------------------------------------------------------------------- */
+/* ---- Files ---------------------------------------------------------------------------------- */
 
 enum { FIGURE_COUNT = 18 };
 

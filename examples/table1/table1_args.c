@@ -85,7 +85,7 @@ static const struct option long_options[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* ---- Values ---------------------------------------------------------------------------------- */
+/* ---- Values --------------------------------------------------------------------------------- */
 
 static scene_wish *next_scene(table1_args *out) {
     if (out->scene_count < TABLE1_MAX_SCENES) return &out->scenes[out->scene_count++];
@@ -178,7 +178,7 @@ static bool take_option(table1_args *out, int option, const char *value) {
     }
 }
 
-/* ---- What is left out ------------------------------------------------------------------------ */
+/* ---- What is left out ----------------------------------------------------------------------- */
 
 static table1_args default_args(void) {
     table1_args args;

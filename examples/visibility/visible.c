@@ -40,7 +40,7 @@ static htree_ray random_line(const htree_box *cell, random_stream *random) {
     return ray;
 }
 
-/* ---- The cell -------------------------------------------------------------------------------- */
+/* ---- The cell ------------------------------------------------------------------------------- */
 
 static int compare_prims(const void *a, const void *b) {
     const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
@@ -123,7 +123,7 @@ htree_box visible_place_cell(const htree *tree, const shape *mesh, const camera 
     return best;
 }
 
-/* ---- Lines ----------------------------------------------------------------------------------- */
+/* ---- Lines ---------------------------------------------------------------------------------- */
 
 static void mark(sampler *s, uint32_t prim, uint8_t how) {
     uint8_t *marks = &s->result->marks[prim];
@@ -172,7 +172,7 @@ static htree_status sample_lines(sampler *s) {
     return status;
 }
 
-/* ---- Segments -------------------------------------------------------------------------------- */
+/* ---- Segments ------------------------------------------------------------------------------- */
 
 /* A segment from the cell to a random point of the triangle. It stops short of it by some
  * roundings: the triangle must not count as being in its own way, but a layer of paint upon it
@@ -236,7 +236,7 @@ static htree_status sample_segments(sampler *s) {
     return status;
 }
 
-/* ---- Together -------------------------------------------------------------------------------- */
+/* ---- Together ------------------------------------------------------------------------------- */
 
 htree_status visible_sample(visible_result *out, const visible_job *job) {
     sampler s;

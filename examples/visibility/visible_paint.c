@@ -58,7 +58,7 @@ static htree_status tint(picture *p, const visible_job *job, const visible_resul
     return status;
 }
 
-/* ---- The cell -------------------------------------------------------------------------------- */
+/* ---- The cell ------------------------------------------------------------------------------- */
 
 /* Where the camera sees a point, in pixels; false behind it. */
 static bool project(const camera *view, const picture *p, const double *point, double *out) {

@@ -4,7 +4,7 @@
 
 #include "memory.h"
 
-/* ---- A stack: pushed memory never moves, and goes back in reverse order ------------------- */
+/* ---- A stack: pushed memory never moves, and goes back in reverse order --------------------- */
 
 enum { HT_STACK_BLOCKS = 48 };
 
@@ -34,7 +34,7 @@ void ht_stack_trim(ht_stack_memory *stack, const void *pushed, uint64_t bytes);
 ht_stack_mark ht_stack_top(const ht_stack_memory *stack);
 void ht_stack_pop(ht_stack_memory *stack, ht_stack_mark mark);
 
-/* ---- An array that grows by doubling ------------------------------------------------------ */
+/* ---- An array that grows by doubling -------------------------------------------------------- */
 
 typedef struct ht_array {
     ht_memory *memory;

@@ -1,13 +1,16 @@
-/* ah.c: the AH-tree of section 7: expected O(N log log N), because a split never touches the prims.
+/* ah.c: the AH-tree of section 7: expected O(N log log N), because a split never touches the
+ * prims.
  *
- * Prims are counted into a 3D grid once. A node is a range of cells; a summed-area table counts any
- * range in constant time, so the plane of least cost is found by interpolation-binary search over the
- * planes between cells. Ranges of few prims go to the algorithm of section 6, crowded cells get a grid of
- * their own. Prims larger than a cell wait on the shelf of the deepest SKD node whose traversal box
- * contains them, and a shelf is a tree again, the node's ternary child (section 7.2).
+ * Prims are counted into a 3D grid once. A node is a range of cells; a summed-area table counts
+ * any range in constant time, so the plane of least cost is found by interpolation-binary
+ * search over the planes between cells. Ranges of few prims go to the algorithm of section 6,
+ * crowded cells get a grid of their own. Prims larger than a cell wait on the shelf of the
+ * deepest SKD node whose traversal box contains them, and a shelf is a tree again, the node's
+ * ternary child (section 7.2).
  *
- * A grid knows boxes only to half a cell. The recursion returns the exact box of what it built, and planes
- * are set from that, at no cost; HTREE_LOOSE_PLANES keeps them as the paper has them. */
+ * A grid knows boxes only to half a cell. The recursion returns the exact box of what it built,
+ * and planes are set from that, at no cost; HTREE_LOOSE_PLANES keeps them as the paper has
+ * them. */
 #include "cost.h"
 #include "h_nodes.h"
 #include "search.h"
@@ -24,8 +27,8 @@ typedef struct ah_set {
     uint32_t count;
 } ah_set;
 
-/* A node to be built: a range of cells with small prims, and a list of oversize ones that lie in its
- * traversal box. */
+/* A node to be built: a range of cells with small prims, and a list of oversize ones that lie
+ * in its traversal box. */
 typedef struct ah_node {
     ht_cells cells;
     uint32_t small;
@@ -38,7 +41,7 @@ typedef struct ah_node {
 static htree_status build_set(ah_build *build, ht_prim *prims, uint32_t count,
                               const htree_box *traversal, uint32_t level, htree_box *exact);
 
-/* ---- Leaving the grid --------------------------------------------------------------------------- */
+/* ---- Leaving the grid ----------------------------------------------------------------------- */
 
 /* Section 6 for a set of prims, which may be permuted. */
 static htree_status build_h_tree(ah_build *build, ht_prim *prims, uint32_t count,
@@ -50,7 +53,8 @@ static htree_status build_h_tree(ah_build *build, ht_prim *prims, uint32_t count
     htree_box box = *traversal;
     uint32_t bound;
     if (count > 1) {
-        /* The root of a subtree has no split yet to compare a bounding node with: not bounding costs N. */
+        /* The root of a subtree has no split yet to compare a bounding node with: not bounding
+         * costs N. */
         const htree_options *options = build->writer.builder->options;
         HT_TRY(ht_h_maybe_bound(&build->writer, options->cost_intersect * (float)count, exact,
                                 count, &box, &bound));
@@ -81,16 +85,18 @@ static htree_status build_gathered(const ah_set *set, const ah_node *node, bool 
     return HTREE_OK;
 }
 
-/* ---- Oversize prims ----------------------------------------------------------------------------- */
+/* ---- Oversize prims ------------------------------------------------------------------------- */
 
-/* Deals the oversize prims of a node to the child in whose traversal box they lie whole, on the side of
- * their centroid; the rest is the node's shelf. Brings left to the front, then right, then the shelf. */
+/* Deals the oversize prims of a node to the child in whose traversal box they lie whole, on the
+ * side of their centroid; the rest is the node's shelf. Brings left to the front, then right,
+ * then the shelf. */
 static void deal_oversize(const ah_set *set, const ah_node *node, uint32_t axis, uint32_t plane,
                           const htree_box *left, const htree_box *right, uint32_t *left_count,
                           uint32_t *right_count) {
     uint32_t *list = node->oversize;
     uint32_t dealt = 0;
-    /* Two passes of exchange: lists are short, and their order does not matter but must be fixed. */
+    /* Two passes of exchange: lists are short, and their order does not matter but must be
+     * fixed. */
     for (uint32_t side = 0; side < 2; ++side) {
         uint32_t kept = dealt;
         for (uint32_t i = dealt; i < node->oversize_count; ++i) {
@@ -109,18 +115,19 @@ static void deal_oversize(const ah_set *set, const ah_node *node, uint32_t axis,
     }
 }
 
-/* ---- Nodes -------------------------------------------------------------------------------------- */
+/* ---- Nodes ---------------------------------------------------------------------------------- */
 
 static htree_status build_node(const ah_set *set, ah_node *node, htree_box *exact);
 
-/* Whether so many prims of a set deserve a grid of their own. One that did not separate its prims is not
- * tried again: equal centroids would never end. */
+/* Whether so many prims of a set deserve a grid of their own. One that did not separate its
+ * prims is not tried again: equal centroids would never end. */
 static bool is_crowded(const ah_set *set, uint32_t count) {
     return count > set->build->writer.builder->options->few_prims &&
            count < set->count - set->count / 20;
 }
 
-/* Few prims, a single cell, or too few levels left for a search that may cut off one slab at a time. */
+/* Few prims, a single cell, or too few levels left for a search that may cut off one slab at a
+ * time. */
 static bool leaves_grid(const ah_set *set, const ah_node *node) {
     const htree_options *options = set->build->writer.builder->options;
     const uint32_t count = node->small + node->oversize_count;
@@ -222,7 +229,7 @@ static htree_status build_node(const ah_set *set, ah_node *node, htree_box *exac
     return HTREE_OK;
 }
 
-/* ---- Sets --------------------------------------------------------------------------------------- */
+/* ---- Sets ----------------------------------------------------------------------------------- */
 
 /* One grid over a set of prims. Where all centroids coincide no grid separates them: O(N log N). */
 static htree_status build_set(ah_build *build, ht_prim *prims, uint32_t count,

@@ -26,7 +26,7 @@ static ht_build *find_builder(htree_kind kind) {
     return NULL;
 }
 
-/* ---- The mesh ----------------------------------------------------------------------------- */
+/* ---- The mesh ------------------------------------------------------------------------------- */
 
 static htree_status verify_mesh(const htree_mesh *mesh) {
     const uint64_t stride = mesh->position_stride;
@@ -149,7 +149,7 @@ static htree_status add_objects(ht_builder *builder, const htree_mesh *mesh) {
     return HTREE_OK;
 }
 
-/* ---- The tree ----------------------------------------------------------------------------- */
+/* ---- The tree ------------------------------------------------------------------------------- */
 
 static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
     ht_memory memory = {options->allocator, 0, 0};

@@ -26,7 +26,8 @@ typedef struct ht_builder {
     ht_progress progress;
 } ht_builder;
 
-/* Scratch for partitions, as many prims again; freed with the builder. NULL: the failure is recorded. */
+/* Scratch for partitions, as many prims again; freed with the builder. NULL: the failure is
+ * recorded. */
 ht_prim *ht_builder_spare(ht_builder *builder);
 
 typedef htree_status ht_build(ht_builder *builder);

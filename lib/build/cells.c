@@ -7,8 +7,8 @@ static uint32_t cells_along(double extent, double side) {
     return cells < 1 ? 1 : cells < MOST_CELLS_PER_AXIS ? (uint32_t)cells : MOST_CELLS_PER_AXIS;
 }
 
-/* By bisection: an axis thinner than a cell has one cell, so there is no closed form, and no cube root is
- * needed, which libraries round differently. */
+/* By bisection: an axis thinner than a cell has one cell, so there is no closed form, and no
+ * cube root is needed, which libraries round differently. */
 void ht_cubic_cells(const htree_box *box, double wanted, uint32_t cells[3], float size[3]) {
     double extent[3], large = 0;
     for (int i = 0; i < 3; ++i) {

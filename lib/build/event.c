@@ -26,7 +26,8 @@ static void radix_pass(const kd_event *from, kd_event *to, uint32_t count, uint3
     }
 }
 
-/* Ends, then planars, then starts: the sort is stable, so this stays the order within a position. */
+/* Ends, then planars, then starts: the sort is stable, so this stays the order within a
+ * position. */
 static uint32_t write_events(const ht_builder *builder, uint32_t axis, kd_event *events) {
     uint32_t count = 0;
     for (uint32_t type = KD_END; type <= KD_START; ++type) {

@@ -1,8 +1,9 @@
 #include "grid.h"
 #include "cells.h"
 
-/* Counts and sums of more cells than this leave the cache, and every prim would wait for memory twice.
- * Large sets get crowded cells instead, and these a grid of their own: the paper's recursion. */
+/* Counts and sums of more cells than this leave the cache, and every prim would wait for memory
+ * twice. Large sets get crowded cells instead, and these a grid of their own: the paper's
+ * recursion. */
 static const double MOST_CELLS = 1 << 17;
 
 static uint32_t cell_index(const ht_grid *grid, const ht_prim *prim) {

@@ -1,5 +1,5 @@
-/* grid.h: the AH-tree's view of a set of prims (section 7.1): a 3D grid of cubic-like cells, the prims
- * sorted by the cell of their centroid, and a 3D summed-area table of counts. */
+/* grid.h: the AH-tree's view of a set of prims (section 7.1): a 3D grid of cubic-like cells,
+ * the prims sorted by the cell of their centroid, and a 3D summed-area table of counts. */
 #ifndef HT_GRID_H
 #define HT_GRID_H
 

@@ -1,14 +1,15 @@
-/* h.c: the H-tree of section 6: SKD nodes, and bounding nodes where the cost model wants them; without
- * bounding nodes it is the SKD-tree of section 5.
+/* h.c: the H-tree of section 6: SKD nodes, and bounding nodes where the cost model wants them;
+ * without bounding nodes it is the SKD-tree of section 5.
  *
- * At every node the split is found once by eq. 1 (tight boxes), then the cheapest of eqs. 2, 3 and 4
- * decides which node is written: the SKD node itself, or first a bounding node that narrows the traversal
- * box. Two bounding nodes never follow each other. O(N log N). */
+ * At every node the split is found once by eq. 1 (tight boxes), then the cheapest of eqs. 2, 3
+ * and 4 decides which node is written: the SKD node itself, or first a bounding node that
+ * narrows the traversal box. Two bounding nodes never follow each other. O(N log N). */
 #include "h_nodes.h"
 #include "cost.h"
 #include "split.h"
 
-/* The sets of planes that a bounding node may have: BV2 and BV6, or with HTREE_ANY_PLANES all 63. */
+/* The sets of planes that a bounding node may have: BV2 and BV6, or with HTREE_ANY_PLANES all
+ * 63. */
 static const uint8_t paper_sets[] = {9, 18, 36, HT_ALL_PLANES};
 
 /* C^T of a node with so many planes: given for two and six, a straight line through both. */
@@ -19,7 +20,8 @@ static float bound_traverse_cost(const htree_options *options, uint32_t planes) 
     return options->cost_bv2 + beyond_two * (options->cost_bv6 - options->cost_bv2) / 4;
 }
 
-/* The extents of *traversal along each axis when it is cut by no plane, the lower, the upper or both. */
+/* The extents of *traversal along each axis when it is cut by no plane, the lower, the upper or
+ * both. */
 static void cut_extents(const htree_box *traversal, const htree_box *tight, float extent[3][4]) {
     for (int i = 0; i < 3; ++i) {
         const float lo = traversal->lo[i], hi = traversal->hi[i];

@@ -1,8 +1,9 @@
 #include "h_nodes.h"
 
-/* ---- Slots ---- */
+/* ---- Slots ---------------------------------------------------------------------------------- */
 
-/* Three slots an object hold nearly every tree; four and the links of the chunks hold any (section 6.2). */
+/* Three slots an object hold nearly every tree; four and the links of the chunks hold any
+ * (section 6.2). */
 static uint64_t usual_slots(uint64_t prims) {
     return 3 * prims + HT_H_CHUNK_SLOTS;
 }
@@ -52,8 +53,8 @@ static htree_status grow(ht_h_writer *writer) {
     return HTREE_OK;
 }
 
-/* Takes `slots` slots in a row. A node does not straddle chunks: the last slot of each links to the next,
- * so that a chunk may lie anywhere. */
+/* Takes `slots` slots in a row. A node does not straddle chunks: the last slot of each links to
+ * the next, so that a chunk may lie anywhere. */
 static htree_status take_slots(ht_h_writer *writer, uint32_t slots, uint32_t *first) {
     /* A link takes two slots at most, and a node as many. */
     if (writer->used + 4 > writer->capacity) HT_TRY(grow(writer));
@@ -72,7 +73,7 @@ static htree_status take_slots(ht_h_writer *writer, uint32_t slots, uint32_t *fi
     return HTREE_OK;
 }
 
-/* ---- Nodes ---- */
+/* ---- Nodes ---------------------------------------------------------------------------------- */
 
 htree_status ht_h_write_skd(ht_h_writer *writer, uint32_t axis, uint32_t *slot) {
     HT_TRY(take_slots(writer, 1, slot));

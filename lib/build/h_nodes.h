@@ -1,5 +1,5 @@
-/* h_nodes.h: writing the nodes of H-trees in depth-first order, in chunks of 16 KiB (section 6.2), and the
- * two steps that the H-tree and the AH-tree share. */
+/* h_nodes.h: writing the nodes of H-trees in depth-first order, in chunks of 16 KiB (section
+ * 6.2), and the two steps that the H-tree and the AH-tree share. */
 #ifndef HT_H_NODES_H
 #define HT_H_NODES_H
 
@@ -38,13 +38,15 @@ void ht_h_rebound(ht_h_node *node, const htree_box *box);
 
 #define HT_H_NO_SLOT UINT32_MAX
 
-/* Writes a bounding node before the SKD node of cost `skd_cost` if that is the cheapest of eqs. 2, 3
- * and 4, and narrows *traversal by it. tight bounds the `count` objects. *slot: the node's, or none. */
+/* Writes a bounding node before the SKD node of cost `skd_cost` if that is the cheapest of eqs.
+ * 2, 3 and 4, and narrows *traversal by it. tight bounds the `count` objects. *slot: the
+ * node's, or none. */
 htree_status ht_h_maybe_bound(ht_h_writer *writer, float skd_cost, const htree_box *tight,
                               uint32_t count, htree_box *traversal, uint32_t *slot);
 
-/* Writes the H-tree over `count` prims, by the algorithm of section 6, in h.c. `level` is how many stack
- * entries wait when a ray gets there; tight is B^E and traversal B^T. The prims are permuted. */
+/* Writes the H-tree over `count` prims, by the algorithm of section 6, in h.c. `level` is how
+ * many stack entries wait when a ray gets there; tight is B^E and traversal B^T. The prims are
+ * permuted. */
 htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, uint32_t count,
                           const htree_box *tight, const htree_box *traversal, uint32_t level);
 

@@ -1,12 +1,13 @@
 /* kd.c: the paper's reference: a kd-tree by the exact surface area heuristic, O(N log N).
  *
- * The boundaries of all boxes are sorted once per axis; a split hands each list on to both children in
- * order, so nothing is sorted again. After V. Havran, "Heuristic Ray Shooting Algorithms", 2000, and
- * I. Wald, V. Havran, "On building fast kd-trees for ray tracing", 2006, without split clipping:
- * boundaries that lie outside a voxel count as lying on its sides, which keeps their order.
+ * The boundaries of all boxes are sorted once per axis; a split hands each list on to both
+ * children in order, so nothing is sorted again. After V. Havran, "Heuristic Ray Shooting
+ * Algorithms", 2000, and I. Wald, V. Havran, "On building fast kd-trees for ray tracing", 2006,
+ * without split clipping: boundaries that lie outside a voxel count as lying on its sides,
+ * which keeps their order.
  *
- * Termination is automatic (Havran, section 4.5): a voxel is split while a plane lowers its expected
- * cost, down to a depth of 1.2 log2 N + 2. */
+ * Termination is automatic (Havran, section 4.5): a voxel is split while a plane lowers its
+ * expected cost, down to a depth of 1.2 log2 N + 2. */
 #include "event.h"
 #include "prims.h"
 
@@ -37,7 +38,7 @@ static const double REFERENCE_BUDGET = 40;
 
 enum { SIDE_BOTH = 0, SIDE_LEFT = 1, SIDE_RIGHT = 2 };
 
-/* ---- The plane ---------------------------------------------------------------------------- */
+/* ---- The plane ------------------------------------------------------------------------------ */
 
 static float clamp(float x, float lo, float hi) {
     return ht_max(lo, ht_min(hi, x));
@@ -101,7 +102,7 @@ static kd_plane find_plane(const kd_build *build, const kd_lists *lists, const h
     return best;
 }
 
-/* ---- The split ---------------------------------------------------------------------------- */
+/* ---- The split ------------------------------------------------------------------------------ */
 
 static void classify(const kd_build *build, const kd_lists *lists, const kd_plane *plane,
                      uint32_t *left, uint32_t *right) {
@@ -164,7 +165,7 @@ static htree_status split_lists(kd_build *build, const kd_plane *plane, kd_lists
     return HTREE_OK;
 }
 
-/* ---- The tree ----------------------------------------------------------------------------- */
+/* ---- The tree ------------------------------------------------------------------------------- */
 
 static htree_status emit_leaf(kd_build *build, uint32_t slot, const kd_lists *lists) {
     const uint64_t first = build->refs.count;

@@ -1,9 +1,10 @@
-/* search.c: interpolation-binary search (N. Santoro, J. B. Sidney, 1985) for the minimum of eq. 2.
+/* search.c: interpolation-binary search (N. Santoro, J. B. Sidney, 1985) for the minimum of eq.
+ * 2.
  *
- * From left to right the expected cost of the left side rises and that of the right side falls. Their
- * difference is monotonic, and the minimum of their sum lies where it changes sign or next to it: so the
- * sign change is searched, and its neighbours are compared. Every other step halves the range, so there
- * are at most 2 log2 M steps for any distribution. */
+ * From left to right the expected cost of the left side rises and that of the right side falls.
+ * Their difference is monotonic, and the minimum of their sum lies where it changes sign or
+ * next to it: so the sign change is searched, and its neighbours are compared. Every other step
+ * halves the range, so there are at most 2 log2 M steps for any distribution. */
 #include "search.h"
 
 typedef struct cut_costs {

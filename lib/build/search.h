@@ -1,4 +1,5 @@
-/* search.h: the plane of least cost between the cells of a range, in expected O(log log M) steps. */
+/* search.h: the plane of least cost between the cells of a range, in expected O(log log M)
+ * steps. */
 #ifndef HT_SEARCH_H
 #define HT_SEARCH_H
 
@@ -12,8 +13,8 @@ typedef struct ht_cut {
     float left_hi, right_lo; /* the SKD planes: half a cell beyond, and before, the cut */
 } ht_cut;
 
-/* Finds the cut of a range of more than one cell, shrunk by ht_grid_shrink, that holds `count` small
- * prims within *box. */
+/* Finds the cut of a range of more than one cell, shrunk by ht_grid_shrink, that holds `count`
+ * small prims within *box. */
 void ht_find_cut(const ht_grid *grid, const ht_cells *cells, uint32_t count, const htree_box *box,
                  ht_cut *cut);
 

@@ -81,9 +81,9 @@ static double bucket_area(const bucket *b) {
     return (double)ht_box_area(&box);
 }
 
-/* The two sweeps: areas of everything right of each plane, then of everything left of it. Sets plane,
- * left_count and both boxes to the minimum of eq. 1 and returns its cost, undivided by SA, which all
- * planes and axes share. */
+/* The two sweeps: areas of everything right of each plane, then of everything left of it. Sets
+ * plane, left_count and both boxes to the minimum of eq. 1 and returns its cost, undivided by
+ * SA, which all planes and axes share. */
 static double sweep(const bucket *buckets, ht_split *split) {
     double right_cost[MAX_BUCKETS];
     bucket side;
@@ -118,7 +118,7 @@ static void split_in_the_middle(const ht_prim *prims, uint32_t count, uint32_t a
     split->right = ht_prims_box(prims + split->left_count, count - split->left_count);
 }
 
-/* ---- Few prims: every plane between two centroids ---- */
+/* ---- Few prims: every plane between two centroids ------------------------------------------- */
 
 /* A total order, so that sorting by one axis, another, and the first again ends where it began. */
 HT_INLINE bool comes_before(const ht_prim *a, const ht_prim *b, uint32_t axis) {

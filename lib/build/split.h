@@ -5,8 +5,8 @@
 
 #include "build.h"
 
-/* Prims with bucket(centroid) < plane on `axis` go left; where plane is 0, the first left_count do. Both
- * sides are never empty. */
+/* Prims with bucket(centroid) < plane on `axis` go left; where plane is 0, the first left_count
+ * do. Both sides are never empty. */
 typedef struct ht_split {
     uint32_t axis;
     uint32_t plane;

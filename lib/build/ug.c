@@ -13,7 +13,8 @@ static const double REFERENCES_PER_OBJECT = 32;
 /* The reach of rays that walk cell by cell, in largest extents of the bounds. */
 static const float REACH = 4;
 
-/* 64 e reach + 8 e |coordinate|, e = 2^-24: the pad of trace/ray.h, which any such ray has, twice. */
+/* 64 e reach + 8 e |coordinate|, e = 2^-24: the pad of trace/ray.h, which any such ray has,
+ * twice. */
 static void set_margin(const htree *tree, ht_ug_grid *grid, float *margin) {
     float extent = 0;
     for (int i = 0; i < 3; ++i) extent = ht_max(extent, tree->bounds.hi[i] - tree->bounds.lo[i]);
@@ -29,7 +30,7 @@ static void set_margin(const htree *tree, ht_ug_grid *grid, float *margin) {
     }
 }
 
-/* ---- Filling ------------------------------------------------------------------------------ */
+/* ---- Filling -------------------------------------------------------------------------------- */
 
 static uint32_t cell_of(const ht_ug_grid *grid, int axis, float x) {
     const float at = (x - grid->lo[axis]) / grid->size[axis];
@@ -97,7 +98,8 @@ HT_INLINE void write_reference(void *data, uint32_t cell, uint32_t prim) {
     tree->refs[--ends[cell]] = prim;
 }
 
-/* Counts, sums, and fills from the back: afterwards each cell's word is where its references begin. */
+/* Counts, sums, and fills from the back: afterwards each cell's word is where its references
+ * begin. */
 static htree_status fill(ht_builder *builder, const float *margin) {
     htree *tree = builder->tree;
     ht_ug_node *ends = (ht_ug_node *)tree->nodes;

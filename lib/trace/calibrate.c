@@ -1,7 +1,8 @@
-/* calibrate.c: htree_calibrate: the costs of section 6.3, measured: random nodes, met by random rays.
+/* calibrate.c: htree_calibrate: the costs of section 6.3, measured: random nodes, met by random
+ * rays.
  *
- * The nodes are those that a walk meets: planes inside the unit cube, rays that start in it. Random order
- * matters, since what a node costs is mostly the branch that nobody could predict. */
+ * The nodes are those that a walk meets: planes inside the unit cube, rays that start in it.
+ * Random order matters, since what a node costs is mostly the branch that nobody could predict. */
 #include "h_steps.h"
 #include "base/clock.h"
 

@@ -1,5 +1,5 @@
-/* h_steps.h: what a ray does at each node type of an H-tree (section 8): shared by the walk and by the
- * measurement of what it costs. */
+/* h_steps.h: what a ray does at each node type of an H-tree (section 8): shared by the walk and
+ * by the measurement of what it costs. */
 #ifndef HT_H_STEPS_H
 #define HT_H_STEPS_H
 

@@ -62,7 +62,8 @@ HT_INLINE void ht_ray_clip_box(const ht_ray *r, const float *lo, const float *hi
     for (uint32_t axis = 0; axis < 3; ++axis) ht_ray_clip(r, axis, lo[axis], hi[axis], tnear, tfar);
 }
 
-/* Returns false if the ray misses by its numbers alone, or misses the bounds, which must not be empty. */
+/* Returns false if the ray misses by its numbers alone, or misses the bounds, which must not be
+ * empty. */
 HT_INLINE bool ht_ray_init(ht_ray *r, const htree_ray *ray, const htree_box *bounds) {
     if (!ht_shear_init(&r->shear, ray)) return false;
     float reach = 0;

@@ -26,7 +26,7 @@ bool ht_intersect_object(const htree *tree, uint32_t prim, const htree_ray *ray,
            hit->t <= ray->tmax && hit->u == hit->u && hit->v == hit->v;
 }
 
-/* ---- One ray ------------------------------------------------------------------------------ */
+/* ---- One ray -------------------------------------------------------------------------------- */
 
 HT_INLINE void trace_ray(const htree *tree, ht_walk *walk, const htree_ray *ray, htree_hit *hit,
                          htree_counters *counters) {
@@ -37,7 +37,7 @@ HT_INLINE void trace_ray(const htree *tree, ht_walk *walk, const htree_ray *ray,
     walk(tree, ray, &r, hit, counters);
 }
 
-/* ---- A batch ------------------------------------------------------------------------------ */
+/* ---- A batch -------------------------------------------------------------------------------- */
 
 enum { BLOCK = 512 }; /* rays a task: long against the cost of claiming it, short against a frame */
 

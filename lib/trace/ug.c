@@ -1,11 +1,11 @@
-/* ug.c: walks a uniform grid cell by cell: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for
- * Ray Tracing", 1987, with the distance of every plane computed from its index, so that errors do not
- * add up.
+/* ug.c: walks a uniform grid cell by cell: J. Amanatides, A. Woo, "A Fast Voxel Traversal
+ * Algorithm for Ray Tracing", 1987, with the distance of every plane computed from its index,
+ * so that errors do not add up.
  *
- * Why it loses no hit: the cells' intervals along the ray, as computed, leave no gap, so the t of a hit
- * lies in one of them, and the hit then lies within 10 e D of that cell (ray.h: 7 of the hit, 3 of the
- * planes). Boxes were entered with a wider margin than that, for D up to grid.reach. Any other ray
- * walks the same grid by halving it, with its own pad. */
+ * Why it loses no hit: the cells' intervals along the ray, as computed, leave no gap, so the t
+ * of a hit lies in one of them, and the hit then lies within 10 e D of that cell (ray.h: 7 of
+ * the hit, 3 of the planes). Boxes were entered with a wider margin than that, for D up to
+ * grid.reach. Any other ray walks the same grid by halving it, with its own pad. */
 #include "trace.h"
 
 /* The prims tested last, by id: most repeats are of the cell just left. */
@@ -37,7 +37,7 @@ HT_INLINE bool visit_cell(grid_walk *w, uint32_t cell, const bool any, const boo
     return false;
 }
 
-/* ---- Cell by cell ------------------------------------------------------------------------- */
+/* ---- Cell by cell --------------------------------------------------------------------------- */
 
 HT_INLINE float plane_distance(const ht_ug_grid *grid, const ht_ray *r, int axis, uint32_t plane) {
     return ((grid->lo[axis] + (float)plane * grid->size[axis]) - r->shear.org[axis]) *
@@ -50,7 +50,8 @@ HT_INLINE uint32_t first_cell(const ht_ug_grid *grid, const htree_ray *ray, int 
     return at <= 0 ? 0 : at >= last ? grid->cells[axis] - 1 : (uint32_t)at;
 }
 
-/* Every step leaves a cell for good along one axis, so there are at most as many as cells on all axes. */
+/* Every step leaves a cell for good along one axis, so there are at most as many as cells on
+ * all axes. */
 HT_INLINE void walk_cells(grid_walk *w, const bool any, const bool counted) {
     const ht_ug_grid *grid = &w->tree->grid;
     const ht_ray *r = w->r;
@@ -78,7 +79,7 @@ HT_INLINE void walk_cells(grid_walk *w, const bool any, const bool counted) {
     }
 }
 
-/* ---- By halves ---------------------------------------------------------------------------- */
+/* ---- By halves ------------------------------------------------------------------------------ */
 
 /* A block of cells, first to last, and the ray's interval in it. */
 typedef struct grid_block {
@@ -135,8 +136,9 @@ HT_INLINE void walk_halves(grid_walk *w, const bool any, const bool counted) {
     }
 }
 
-/* Whether the ray comes from within reach, and t resolves single cells: where distances underflow, the
- * order of planes is lost, but not the order of a plane and a hit, which is all that halving needs. */
+/* Whether the ray comes from within reach, and t resolves single cells: where distances
+ * underflow, the order of planes is lost, but not the order of a plane and a hit, which is all
+ * that halving needs. */
 HT_INLINE bool suits_cells(const ht_ug_grid *grid, const ht_ray *r) {
     bool suits = r->reach <= grid->reach;
     for (int i = 0; i < 3; ++i) suits = suits && grid->size[i] * ht_magnitude(r->rdir[i]) >= 1e-30f;

@@ -8,7 +8,8 @@ typedef struct proof {
     uint64_t prims_seen;
 } proof;
 
-/* Cells of a divided space share the objects that reach into several; object hierarchies share none. */
+/* Cells of a divided space share the objects that reach into several; object hierarchies share
+ * none. */
 static bool is_space_divided(const htree *tree) {
     return tree->kind == HTREE_KD || tree->kind == HTREE_UG;
 }

@@ -15,7 +15,7 @@ typedef uint ht_word;
 /* Levels of branching that builders stay within and that traversal stacks are made for. */
 #define HT_MAX_DEPTH 96
 
-/* ---- BVH: 32 bytes a node, children are neighbours ---------------------------------------- */
+/* ---- BVH: 32 bytes a node, children are neighbours ------------------------------------------ */
 
 #define HT_BVH_LEAF 3u
 
@@ -26,7 +26,7 @@ typedef struct ht_bvh_node {
     ht_word tag; /* interior: the axis that was split, 0 to 2; leaf: HT_BVH_LEAF */
 } ht_bvh_node;
 
-/* ---- H-tree: the paper's node types in 16 bytes (four planes or more: 32), depth first ---- */
+/* ---- H-tree: the paper's node types in 16 bytes (four planes or more: 32), depth first ------ */
 
 /*   type        a          b          child               the node's child is
  *   LEAF        -          -          prim                none
@@ -59,10 +59,11 @@ typedef struct ht_h_node {
     ht_word tag;
 } ht_h_node;
 
-/* ---- kd-tree: 8 bytes a node, depth first ------------------------------------------------- */
+/* ---- kd-tree: 8 bytes a node, depth first --------------------------------------------------- */
 
-/* Interior: plane, and tag = slot of the right child << 2 | axis; the left child is the next slot.
- * Leaf: plane holds the bits of the index of its first reference, tag = references << 2 | HT_KD_LEAF. */
+/* Interior: plane, and tag = slot of the right child << 2 | axis; the left child is the next
+ * slot. Leaf: plane holds the bits of the index of its first reference, tag = references << 2 |
+ * HT_KD_LEAF. */
 #define HT_KD_LEAF  3u
 #define HT_KD_SLOTS 0x40000000u
 
@@ -71,7 +72,7 @@ typedef struct ht_kd_node {
     ht_word tag;
 } ht_kd_node;
 
-/* ---- Uniform grid: a slot per cell, x fastest --------------------------------------------- */
+/* ---- Uniform grid: a slot per cell, x fastest ----------------------------------------------- */
 
 /* The references of cell i are refs[node i .. node i + 1); one more node than cells. */
 typedef ht_word ht_ug_node;

@@ -1,6 +1,6 @@
 #include "visit.h"
 
-/* ---- How each kind reads its nodes -------------------------------------------------------- */
+/* ---- How each kind reads its nodes ---------------------------------------------------------- */
 
 static void add_child(ht_node_view *view, const ht_place *parent, uint32_t slot,
                       const htree_box *box) {
@@ -126,7 +126,7 @@ ht_place ht_root_place(const htree *tree) {
     return root;
 }
 
-/* ---- All nodes ---------------------------------------------------------------------------- */
+/* ---- All nodes ------------------------------------------------------------------------------ */
 
 /* Depth first by recursion, which the check of `branches` bounds: chains of bounding and link nodes
  * are followed in the loop. */

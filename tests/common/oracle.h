@@ -26,7 +26,8 @@ htree_hit oracle_closest(const oracle *o, const htree_ray *ray);
 /* hits[i] of rays[i]; returns how many rays hit something. */
 uint64_t oracle_batch(const oracle *o, const htree_ray *rays, uint64_t count, htree_hit *hits);
 
-/* Fails the test unless the tree over the mesh answers so many rays, of all families, as the oracle. */
+/* Fails the test unless the tree over the mesh answers so many rays, of all families, as the
+ * oracle. */
 void oracle_compare(const htree *tree, const htree_mesh *mesh, uint64_t rays, uint64_t seed);
 
 /* Bounds of everything that can be hit, as htree_get_bounds promises them. */

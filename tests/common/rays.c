@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* ---- Targets and small tools ----------------------------------------------------------------- */
+/* ---- Targets and small tools ---------------------------------------------------------------- */
 
 static bool is_finite_point(const float *p) {
     for (int i = 0; i < 3; ++i) {
@@ -84,7 +84,7 @@ static float signed_zero(dice *d) {
     return dice_below(d, 2) != 0 ? 0.0f : -0.0f;
 }
 
-/* ---- Families -------------------------------------------------------------------------------- */
+/* ---- Families ------------------------------------------------------------------------------- */
 
 typedef void ray_family(const ray_target *target, dice *d, uint64_t index, htree_ray *ray);
 

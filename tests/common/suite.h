@@ -31,7 +31,7 @@
 
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
-/* ---- Dice: the same numbers on every machine ------------------------------------------------- */
+/* ---- Dice: the same numbers on every machine ------------------------------------------------ */
 
 typedef struct dice {
     uint64_t state;
@@ -45,7 +45,7 @@ float dice_between(dice *d, float lo, float hi);
 /* The float `ulps` steps above x, or below for a negative count. */
 float nudged(float x, int ulps);
 
-/* ---- Runs ------------------------------------------------------------------------------------ */
+/* ---- Runs ----------------------------------------------------------------------------------- */
 
 /* count * HTREE_TEST_SCALE, at least 1. */
 uint64_t scaled(uint64_t count);
@@ -60,7 +60,7 @@ void *take(uint64_t bytes);
 /* The kind after `kind` that this build of the library has, 0 after the last; starts from 0. */
 htree_kind next_kind(htree_kind kind);
 
-/* ---- Meshes and trees ------------------------------------------------------------------------ */
+/* ---- Meshes and trees ----------------------------------------------------------------------- */
 
 /* A shape that must be made; fails the test otherwise. */
 shape shape_of(const char *name, uint64_t triangles, uint32_t seed);
