@@ -3,6 +3,7 @@
  *
  * SPDX-License-Identifier: MIT */
 #include "args.h"
+#include "build_tree.h"
 #include "heat.h"
 #include "mesh_file.h"
 #include "picture.h"
@@ -57,19 +58,8 @@ static bool load(render *r) {
 }
 
 static bool build(render *r) {
-    progress bar = progress_start("build", r->args.quiet);
-    htree_mesh mesh = {0};
-    mesh.positions = r->mesh.positions;
-    mesh.vertex_count = r->mesh.vertex_count;
-    mesh.indices = r->mesh.indices;
-    mesh.triangle_count = r->mesh.triangle_count;
-    htree_options options;
-    htree_status status = htree_options_init(&options, sizeof options, r->args.kind);
-    options.threads = r->args.threads;
-    options.progress.report = progress_report;
-    options.progress.user = &bar;
-    if (status == HTREE_OK) status = htree_build(&r->tree, &mesh, &options);
-    progress_end(&bar);
+    const htree_status status =
+        build_tree(&r->tree, &r->mesh, r->args.kind, r->args.threads, r->args.quiet);
     return status == HTREE_OK || fail_status(r, status);
 }
 

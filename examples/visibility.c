@@ -2,6 +2,7 @@
  * visibility preprocessing. Mesh -> tree -> lines and segments from a view cell -> triangles seen.
  *
  * SPDX-License-Identifier: MIT */
+#include "build_tree.h"
 #include "mesh_file.h"
 #include "visible.h"
 #include "visible_args.h"
@@ -41,19 +42,8 @@ static bool load(visibility *v) {
 }
 
 static bool build(visibility *v) {
-    progress bar = progress_start("build", v->args.quiet);
-    htree_mesh mesh = {0};
-    mesh.positions = v->mesh.positions;
-    mesh.vertex_count = v->mesh.vertex_count;
-    mesh.indices = v->mesh.indices;
-    mesh.triangle_count = v->mesh.triangle_count;
-    htree_options options;
-    htree_status status = htree_options_init(&options, sizeof options, v->args.kind);
-    options.threads = v->args.threads;
-    options.progress.report = progress_report;
-    options.progress.user = &bar;
-    if (status == HTREE_OK) status = htree_build(&v->tree, &mesh, &options);
-    progress_end(&bar);
+    const htree_status status =
+        build_tree(&v->tree, &v->mesh, v->args.kind, v->args.threads, v->args.quiet);
     return status == HTREE_OK || fail_status(v, status);
 }
 

@@ -5,6 +5,7 @@
 #include "numbers.h"
 #include "pool.h"
 #include "primary.h"
+#include "shape_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -58,11 +59,7 @@ static void bench_free(bench *b) {
 
 static htree_status build(bench *b, const measure_way *way, htree **tree) {
     const measure_job *job = b->job;
-    htree_mesh mesh = {0};
-    mesh.positions = job->mesh->positions;
-    mesh.vertex_count = job->mesh->vertex_count;
-    mesh.indices = job->mesh->indices;
-    mesh.triangle_count = job->mesh->triangle_count;
+    const htree_mesh mesh = shape_mesh(job->mesh);
     htree_options options;
     const htree_status status = htree_options_init(&options, sizeof options, way->kind);
     if (status != HTREE_OK) return status;

@@ -41,6 +41,13 @@ typedef struct ah_node {
 static htree_status build_set(ah_build *build, ht_prim *prims, uint32_t count,
                               const htree_box *traversal, uint32_t level, htree_box *exact);
 
+/* The search may cut off one slab at a time, and a shelf takes two levels: both need some to spare
+ * over what the prims need, which section 6 then keeps to. */
+static bool levels_run_out(uint32_t level, uint32_t count) {
+    enum { SPARE_LEVELS = 8 };
+    return level + ht_levels_needed(count) + SPARE_LEVELS > HT_MAX_DEPTH;
+}
+
 /* ---- Leaving the grid ----------------------------------------------------------------------- */
 
 /* Section 6 for a set of prims, which may be permuted. */
@@ -126,8 +133,7 @@ static bool is_crowded(const ah_set *set, uint32_t count) {
            count < set->count - set->count / 20;
 }
 
-/* Few prims, a single cell, or too few levels left for a search that may cut off one slab at a
- * time. */
+/* Few prims, a single cell, or too few levels left. */
 static bool leaves_grid(const ah_set *set, const ah_node *node) {
     const htree_options *options = set->build->writer.builder->options;
     const uint32_t count = node->small + node->oversize_count;
@@ -135,7 +141,7 @@ static bool leaves_grid(const ah_set *set, const ah_node *node) {
     const bool one_cell = c->end[0] - c->first[0] == 1 && c->end[1] - c->first[1] == 1 &&
                           c->end[2] - c->first[2] == 1;
     return node->small == 0 || count <= options->few_prims || one_cell ||
-           node->level + ht_levels_needed(count) + 8 > HT_MAX_DEPTH;
+           levels_run_out(node->level, count);
 }
 
 static htree_status build_shelf(const ah_set *set, const ah_node *node, uint32_t *oversize,
@@ -238,8 +244,7 @@ static htree_status build_set(ah_build *build, ht_prim *prims, uint32_t count,
     const htree_box centroids = ht_centroid_bounds(prims, count);
     const int axis = ht_widest_axis(&centroids);
     const bool separable = centroids.hi[axis] - centroids.lo[axis] > 0;
-    if (!separable || count <= options->few_prims ||
-        level + ht_levels_needed(count) + 8 > HT_MAX_DEPTH) {
+    if (!separable || count <= options->few_prims || levels_run_out(level, count)) {
         return build_h_tree(build, prims, count, traversal, level, exact);
     }
     ht_grid grid;

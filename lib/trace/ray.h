@@ -5,15 +5,15 @@
  * axis from org to the bounds:
  *
  *  - The test moves a corner by at most 6 e D across the ray (one rounding of the difference, one
- * of the quotient, one of the product, one of the sum, all scaled by at most 2 D) and by e D along
- *    its main axis. Everything after is exact to 2^-51, and t itself is rounded once: e D more. So
- *    org + t dir lies within 7 e D of the triangle's box on every axis.
+ *    of the quotient, one of the product, one of the sum, all scaled by at most 2 D) and by e D
+ *    along its main axis. Everything after is exact to 2^-51, and t itself is rounded once: e D
+ *    more. So org + t dir lies within 7 e D of the triangle's box on every axis.
  *  - A slab distance (plane - org) * rdir carries three roundings: 3 e D in space.
  *
- * Hence planes are moved outward by PAD = 32 e D, with slack for the roundings of user callbacks.
- * It costs nothing per box: entry planes are met from an origin moved forward, exit planes from one
- * moved back, each rounded outward by 2 e |org|. After T. Ize, "Robust BVH Ray Traversal", JCGT
- * 2(2), 2013, which pads the quotient instead.
+ * Hence planes are moved outward by PAD = 32 e D, with slack for the roundings of user callbacks,
+ * and by FLT_MIN at least, where products underflow. It costs nothing per box: entry planes are met
+ * from an origin moved forward, exit planes from one moved back, each rounded outward by 2 e |org|.
+ * After T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, which pads the quotient instead.
  *
  * Where a component of dir is 0 or tiny, it is replaced by 2^-40 of the largest one: over all of D
  * the ray then strays by less than e D, and neither an infinity nor a NaN can arise. */

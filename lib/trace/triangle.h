@@ -5,14 +5,14 @@
  * roles of float and double split by what each proves:
  *
  *  - Corners are moved to the ray's origin and sheared so that the ray is the z axis. This is done
- * in float, per corner, so triangles that share a corner see the same 2D point.
+ *    in float, per corner, so triangles that share a corner see the same 2D point.
  *  - An edge function is a difference of two products. Rounding is monotonic, so a float edge
- * function has the exact sign or is 0. Mixed strict signs therefore reject without doubt: the
- * common case.
+ *    function has the exact sign or is 0. Mixed strict signs therefore reject without doubt: the
+ *    common case.
  *  - What is left is decided in double, where a product of two floats is exact: signs are exact, so
  *    neighbours agree about a shared edge and about a shared corner. And the barycentrics are
- * accurate to 2^-51 even for slivers, which bounds the error of t, and that bound is what lets
- * boxes be padded by a proven amount (ray.h).
+ *    accurate to 2^-51 even for slivers, which bounds the error of t, and that bound is what lets
+ *    boxes be padded by a proven amount (ray.h).
  *
  * FP contraction would break the exact negation between neighbours: all builds turn it off. */
 #ifndef HT_TRIANGLE_H

@@ -1,6 +1,8 @@
 /* suite.c: dice, meshes and trees for the test programs. */
 #include "suite.h"
 
+#include "shape_mesh.h"
+
 #include <math.h>
 
 /* splitmix64: passes the usual batteries, and any seed is a good seed. */
@@ -88,13 +90,7 @@ shape shape_of(const char *name, uint64_t triangles, uint32_t seed) {
 }
 
 htree_mesh mesh_of(const shape *s) {
-    htree_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    mesh.positions = s->positions;
-    mesh.vertex_count = s->vertex_count;
-    mesh.indices = s->indices;
-    mesh.triangle_count = s->triangle_count;
-    return mesh;
+    return shape_mesh(s);
 }
 
 htree_mesh plain_mesh(const float *xyz, uint64_t triangles) {
