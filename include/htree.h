@@ -57,8 +57,12 @@ enum {
     HTREE_ERROR_LIMIT = 3,     /* more objects than the structure can address */
     HTREE_ERROR_GEOMETRY = 4,  /* an index beyond the vertices; with HTREE_STRICT bad numbers too */
     HTREE_ERROR_CANCELLED = 5, /* the progress hook asked to stop */
-    HTREE_ERROR_UNSUPPORTED = 6, /* this build of the library lacks the kind that was asked for */
-    HTREE_ERROR_CORRUPT = 7      /* htree_check found a broken tree */
+    HTREE_ERROR_UNSUPPORTED = 6,  /* this build of the library lacks the kind that was asked for */
+    HTREE_ERROR_CORRUPT = 7,      /* htree_check found a broken tree */
+    HTREE_ERROR_NO_DEVICE = 8,    /* htree_cl.h: no OpenCL here, or no device of that name */
+    HTREE_ERROR_DEVICE = 9,       /* htree_cl.h: a call to the device failed */
+    HTREE_ERROR_DEVICE_LOST = 10, /* htree_cl.h: the device is gone, with all that was on it */
+    HTREE_ERROR_KERNEL = 11 /* htree_cl.h: the device's compiler refused a kernel, or it is wrong */
 };
 
 /* Name of a status, for logs. Never NULL, static. Any thread. */
@@ -164,6 +168,7 @@ enum {
     HTREE_SKD = 5,        /* spatial kd-tree: two planes a node */
     HTREE_H = 6,          /* H-tree: spatial kd-tree with sparse bounding volumes */
     HTREE_AH = 7,         /* H-tree by a 3D grid and a summed-area table: O(N log log N) */
+    HTREE_WIDE = 8,       /* eight children a node, eight triangles a leaf: for vector units */
 
     /* For those who do not want to choose; htree_options_init puts one of the kinds in their
      * place. */
@@ -309,6 +314,30 @@ typedef struct htree_stats {
 /* Fills *stats, whose `size` the caller has set. Walks the tree: O(nodes). Any thread.
  * Errors     ARGUMENT, CORRUPT. */
 HTREE_API htree_status htree_get_stats(const htree *tree, htree_stats *stats);
+
+/* The arrays of a finished tree, for backends and tools of your own: devices, viewers, files.
+ * They belong to the tree and live until htree_free. Nodes, leaves and grid are laid out as
+ * lib/tree/layout.h says, which is no part of the stable ABI: it holds for one minor version. */
+typedef struct htree_view {
+    uint32_t size; /* sizeof(htree_view), set by the caller before htree_get_view */
+    htree_kind kind;
+    htree_box bounds;
+    uint32_t prims;          /* that can be hit; 0: there are no nodes, and every ray misses */
+    uint32_t triangle_count; /* of the mesh; prims from here on are objects */
+    uint32_t object_count;
+    uint32_t stack;         /* entries that a traversal stack can need at most */
+    const float *triangles; /* nine floats a triangle, v0 v1 v2; a skipped one is all 0 */
+    const void *nodes;      /* root first */
+    uint64_t node_bytes;
+    const void *leaves; /* UG, KD: uint32_t prims by leaf; WIDE: blocks of triangles; else NULL */
+    uint64_t leaf_bytes;
+    const void *grid; /* UG: its shape; else NULL */
+    uint64_t grid_bytes;
+} htree_view;
+
+/* Fills *view, whose `size` the caller has set. Any thread.
+ * Errors     ARGUMENT. */
+HTREE_API htree_status htree_get_view(const htree *tree, htree_view *view);
 
 /* Proves the structure: every node is reached once, every box and plane contains what lies below
  * it, every object is referenced, depth and stack are as stated. O(nodes). Errors: CORRUPT, MEMORY.

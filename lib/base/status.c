@@ -28,6 +28,10 @@ const char *htree_status_name(htree_status status) {
     case HTREE_ERROR_CANCELLED: return "cancelled";
     case HTREE_ERROR_UNSUPPORTED: return "unsupported";
     case HTREE_ERROR_CORRUPT: return "corrupt tree";
+    case HTREE_ERROR_NO_DEVICE: return "no such device";
+    case HTREE_ERROR_DEVICE: return "device failed";
+    case HTREE_ERROR_DEVICE_LOST: return "device lost";
+    case HTREE_ERROR_KERNEL: return "kernel refused";
     default: return "unknown status";
     }
 }

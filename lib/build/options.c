@@ -6,9 +6,16 @@ static const struct {
     htree_kind kind;
     const char *name;
 } kinds[] = {
-    {HTREE_UG, "ug"},           {HTREE_KD, "kd"},     {HTREE_BVH_MEDIAN, "bvh-median"},
-    {HTREE_BVH_SAH, "bvh-sah"}, {HTREE_SKD, "skd"},   {HTREE_H, "h"},
-    {HTREE_AH, "ah"},           {HTREE_FAST, "fast"}, {HTREE_BALANCED, "balanced"},
+    {HTREE_UG, "ug"},
+    {HTREE_KD, "kd"},
+    {HTREE_BVH_MEDIAN, "bvh-median"},
+    {HTREE_BVH_SAH, "bvh-sah"},
+    {HTREE_SKD, "skd"},
+    {HTREE_H, "h"},
+    {HTREE_AH, "ah"},
+    {HTREE_WIDE, "wide"},
+    {HTREE_FAST, "fast"},
+    {HTREE_BALANCED, "balanced"},
     {HTREE_BEST, "best"},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };

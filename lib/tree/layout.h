@@ -84,4 +84,29 @@ typedef struct ht_ug_grid {
     float reach; /* rays that see the bounds from farther off are walked with their own pad */
 } ht_ug_grid;
 
+/* ---- Wide tree: eight children a node, eight triangles a leaf, lane by lane ------------------ */
+
+#define HT_LANES     8u
+#define HT_WIDE_LEAF 0x80000000u
+
+/* Lane i holds child i: a slot, or HT_WIDE_LEAF | the index of a leaf. The lanes in use come
+ * first; the others hold a box that no ray meets: lo > hi. */
+typedef struct ht_wide_node {
+    float lo[3][8];
+    float hi[3][8];
+    ht_word child[8];
+    ht_word count; /* lanes in use, at least 1 */
+    ht_word unused[7];
+} ht_wide_node;
+
+/* Lane i holds a triangle, its corners v[0..2][axis][i]. A user object and an idle lane hold
+ * zeros, which no ray meets; the prims in use come first. */
+typedef struct ht_wide_leaf {
+    float v[3][3][8];
+    ht_word prim[8];
+    ht_word count;   /* prims in use, at least 1 */
+    ht_word objects; /* user objects among them, the last ones */
+    ht_word unused[6];
+} ht_wide_leaf;
+
 #endif

@@ -5,6 +5,17 @@ htree_status ht_tree_verify(const htree *tree) {
     return tree ? HTREE_OK : ht_fail(HTREE_ERROR_ARGUMENT, "tree is NULL");
 }
 
+static uint64_t slot_bytes(htree_kind kind) {
+    switch (kind) {
+    case HTREE_UG: return sizeof(ht_ug_node);
+    case HTREE_KD: return sizeof(ht_kd_node);
+    case HTREE_BVH_MEDIAN:
+    case HTREE_BVH_SAH: return sizeof(ht_bvh_node);
+    case HTREE_WIDE: return sizeof(ht_wide_node);
+    default: return sizeof(ht_h_node);
+    }
+}
+
 htree_box ht_prim_box(const htree *tree, uint32_t prim) {
     if (prim >= tree->triangle_count) return tree->object_boxes[prim - tree->triangle_count];
     htree_box box = ht_box_empty();
@@ -27,9 +38,55 @@ void htree_free(htree *tree) {
     ht_memory memory = tree->memory;
     ht_release(&memory, tree->nodes, tree->node_bytes);
     ht_release(&memory, tree->refs, tree->ref_count * sizeof *tree->refs);
+    ht_release(&memory, tree->blocks, tree->block_capacity * sizeof *tree->blocks);
     ht_release(&memory, tree->object_boxes, tree->object_count * sizeof *tree->object_boxes);
     ht_release(&memory, tree->triangles, tree->triangle_count * sizeof *tree->triangles);
     ht_release(&memory, tree, sizeof *tree);
+}
+
+/* The struct as version 0.1 knew it. */
+enum { FIRST_VIEW_SIZE = sizeof(htree_view) };
+
+static htree_view view_tree(const htree *tree) {
+    htree_view v;
+    memset(&v, 0, sizeof v);
+    v.kind = tree->kind;
+    v.bounds = tree->bounds;
+    v.prims = tree->prim_count;
+    v.triangle_count = tree->triangle_count;
+    v.object_count = tree->object_count;
+    v.stack = tree->stack;
+    v.triangles = (const float *)tree->triangles;
+    v.nodes = tree->prim_count ? tree->nodes : NULL;
+    v.node_bytes = v.nodes ? tree->node_slots * slot_bytes(tree->kind) : 0;
+    if (tree->refs) {
+        v.leaves = tree->refs;
+        v.leaf_bytes = tree->ref_count * sizeof *tree->refs;
+    }
+    if (tree->blocks) {
+        v.leaves = tree->blocks;
+        v.leaf_bytes = tree->block_count * sizeof *tree->blocks;
+    }
+    if (tree->kind == HTREE_UG && v.nodes) {
+        v.grid = &tree->grid;
+        v.grid_bytes = sizeof tree->grid;
+    }
+    return v;
+}
+
+htree_status htree_get_view(const htree *tree, htree_view *view) {
+    HT_TRY(ht_tree_verify(tree));
+    if (!view) return ht_fail(HTREE_ERROR_ARGUMENT, "view is NULL");
+    const uint32_t size = view->size;
+    if (size < FIRST_VIEW_SIZE || size > 65536) {
+        return ht_fail(HTREE_ERROR_ARGUMENT, "view.size is %lu: set it to sizeof(htree_view)",
+                       (unsigned long)size);
+    }
+    htree_view v = view_tree(tree);
+    v.size = size;
+    memset(view, 0, size);
+    memcpy(view, &v, sizeof v < size ? sizeof v : size);
+    return HTREE_OK;
 }
 
 htree_status htree_get_bounds(const htree *tree, htree_box *bounds) {

@@ -28,8 +28,10 @@ struct htree {
     void *nodes; /* of the kind's type in layout.h, root first; none if prim_count is 0 */
     uint32_t node_slots;
     uint64_t node_bytes; /* allocated */
-    uint32_t *refs;      /* prims by leaf, of the kinds whose leaves hold several */
+    uint32_t *refs;      /* UG, KD: prims by leaf */
     uint32_t ref_count;
+    ht_wide_leaf *blocks; /* WIDE: the triangles by leaf */
+    uint32_t block_count, block_capacity;
     ht_ug_grid grid;
     uint32_t stack; /* traversal stack entries needed at most, <= HT_MAX_DEPTH */
 
