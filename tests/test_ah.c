@@ -109,7 +109,7 @@ static void presets_are_kinds_and_costs_can_be_measured(void **state) {
     (void)state;
     for (uint32_t i = 0; i < COUNT_OF(preset); ++i) {
         htree_options options = options_of(preset[i]);
-        assert_true(options.kind >= HTREE_UG && options.kind <= HTREE_AH);
+        assert_true(options.kind >= HTREE_UG && options.kind <= HTREE_WIDE);
         assert_int_equal(htree_kind_from_name(htree_kind_name(preset[i])), preset[i]);
         compare(&mesh, &options, 200);
         assert_int_equal(htree_calibrate(&options), HTREE_OK);

@@ -17,6 +17,7 @@ static const struct {
     {HTREE_SKD, ht_build_skd},
     {HTREE_H, ht_build_h},
     {HTREE_AH, ht_build_ah},
+    {HTREE_WIDE, ht_build_wide},
 };
 
 static ht_build *find_builder(htree_kind kind) {

@@ -38,5 +38,6 @@ ht_build ht_build_kd;                           /* kd.c */
 ht_build ht_build_bvh_median, ht_build_bvh_sah; /* bvh.c */
 ht_build ht_build_skd, ht_build_h;              /* h.c */
 ht_build ht_build_ah;                           /* ah.c */
+ht_build ht_build_wide;                         /* wide.c */
 
 #endif

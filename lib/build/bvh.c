@@ -31,7 +31,7 @@ static htree_status subtree(bvh_build *build, uint32_t slot, uint32_t below, uin
     if (build->median) {
         ht_split_find_median(prims, count, box, HT_MAX_DEPTH - level, &split);
     } else {
-        ht_split_find(build->builder->options, prims, count, HT_MAX_DEPTH - level, &split);
+        ht_split_find(build->builder->options, prims, count, HT_MAX_DEPTH - level, 0, &split);
     }
     ht_split_apply(&split, prims, build->builder->spare, count);
     node->child = below;

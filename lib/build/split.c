@@ -81,22 +81,27 @@ static double bucket_area(const bucket *b) {
     return (double)ht_box_area(&box);
 }
 
+/* Leaves that so many prims fill: what eq. 1 counts. */
+static double blocks(uint32_t count, uint32_t block_bits) {
+    return (double)((count + (1u << block_bits) - 1) >> block_bits);
+}
+
 /* The two sweeps: areas of everything right of each plane, then of everything left of it. Sets
  * plane, left_count and both boxes to the minimum of eq. 1 and returns its cost, undivided by
  * SA, which all planes and axes share. */
-static double sweep(const bucket *buckets, ht_split *split) {
+static double sweep(const bucket *buckets, uint32_t block_bits, ht_split *split) {
     double right_cost[MAX_BUCKETS];
     bucket side;
     bucket_clear(&side);
     for (uint32_t b = split->buckets - 1; b > 0; --b) {
         bucket_merge(&side, &buckets[b]);
-        right_cost[b] = (double)side.count * bucket_area(&side);
+        right_cost[b] = blocks(side.count, block_bits) * bucket_area(&side);
     }
     bucket_clear(&side);
     double cheapest = INFINITY;
     for (uint32_t plane = 1; plane < split->buckets; ++plane) {
         bucket_merge(&side, &buckets[plane - 1]);
-        const double cost = (double)side.count * bucket_area(&side) + right_cost[plane];
+        const double cost = blocks(side.count, block_bits) * bucket_area(&side) + right_cost[plane];
         if (cost < cheapest) {
             cheapest = cost;
             split->plane = plane;
@@ -160,7 +165,7 @@ static void split_exactly(ht_prim *prims, uint32_t count, uint32_t widest, uint3
             memcpy(buckets[k].hi, prims[k].hi, sizeof buckets[k].hi);
             buckets[k].count = 1;
         }
-        const double cost = sweep(buckets, &candidate);
+        const double cost = sweep(buckets, 0, &candidate);
         if (cost < cheapest) {
             cheapest = cost;
             *split = candidate;
@@ -175,7 +180,7 @@ static bool levels_are_scarce(uint32_t count, uint32_t levels) {
 }
 
 HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count,
-                               uint32_t levels, ht_split *split) {
+                               uint32_t levels, uint32_t block_bits, ht_split *split) {
     assert(count >= 2 && levels >= 1);
     bucket buckets[MAX_BUCKETS];
     const htree_box centroids = ht_centroid_bounds(prims, count);
@@ -195,7 +200,7 @@ HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uin
         candidate.buckets = bucket_count(options, count);
         if (!split_scale(&candidate, (widest + i) % 3, &centroids)) continue;
         fill_buckets(&candidate, prims, count, buckets);
-        const double cost = sweep(buckets, &candidate);
+        const double cost = sweep(buckets, block_bits, &candidate);
         if (cost < cheapest) {
             cheapest = cost;
             *split = candidate;

@@ -18,9 +18,9 @@ typedef struct ht_split {
 
 /* Finds the cheapest split of count >= 2 prims by eq. 1. `levels` is how many levels of branching
  * may still follow: when they get scarce the split is in the middle, which keeps any tree within
- * HT_MAX_DEPTH. May reorder the prims. */
+ * HT_MAX_DEPTH. 2^block_bits prims are tested at once and cost as one. May reorder the prims. */
 void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count, uint32_t levels,
-                   ht_split *split);
+                   uint32_t block_bits, ht_split *split);
 
 /* The spatial median: the middle of `box` along its widest axis, or of the centroids where that
  * separates nothing. */

@@ -7,9 +7,9 @@ static const struct {
     htree_kind kind;
     const ht_walks *walks;
 } walkers[] = {
-    {HTREE_UG, &ht_ug_walks},       {HTREE_KD, &ht_kd_walks}, {HTREE_BVH_MEDIAN, &ht_bvh_walks},
-    {HTREE_BVH_SAH, &ht_bvh_walks}, {HTREE_SKD, &ht_h_walks}, {HTREE_H, &ht_h_walks},
-    {HTREE_AH, &ht_h_walks},
+    {HTREE_UG, &ht_ug_walks},       {HTREE_KD, &ht_kd_walks},     {HTREE_BVH_MEDIAN, &ht_bvh_walks},
+    {HTREE_BVH_SAH, &ht_bvh_walks}, {HTREE_SKD, &ht_h_walks},     {HTREE_H, &ht_h_walks},
+    {HTREE_AH, &ht_h_walks},        {HTREE_WIDE, &ht_wide_walks},
 };
 
 static const ht_walks *find_walks(htree_kind kind) {

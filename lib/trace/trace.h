@@ -17,10 +17,11 @@ typedef struct ht_walks {
     ht_walk *closest, *any, *closest_counted, *any_counted;
 } ht_walks;
 
-extern const ht_walks ht_ug_walks;  /* ug.c */
-extern const ht_walks ht_kd_walks;  /* kd.c */
-extern const ht_walks ht_bvh_walks; /* bvh.c */
-extern const ht_walks ht_h_walks;   /* h.c */
+extern const ht_walks ht_ug_walks;   /* ug.c */
+extern const ht_walks ht_kd_walks;   /* kd.c */
+extern const ht_walks ht_bvh_walks;  /* bvh.c */
+extern const ht_walks ht_h_walks;    /* h.c */
+extern const ht_walks ht_wide_walks; /* wide.c */
 
 #define HT_DEFINE_WALKS(name, walk)                                                                \
     static void closest(const htree *t, const htree_ray *ray, const ht_ray *r, htree_hit *h,       \
@@ -51,6 +52,15 @@ typedef struct ht_stack_entry {
 HT_NOINLINE bool ht_intersect_object(const htree *tree, uint32_t prim, const htree_ray *ray,
                                      htree_hit *hit);
 
+/* Puts a hit of `prim` into *hit if it is the minimum of (t, prim). Returns true. */
+HT_INLINE bool ht_keep_nearer(htree_hit *hit, const htree_hit *found, uint32_t prim) {
+    if (found->t < hit->t || (found->t == hit->t && prim < hit->prim)) {
+        *hit = *found;
+        hit->prim = prim;
+    }
+    return true;
+}
+
 /* Tests one prim and keeps the minimum of (t, prim) in *hit; returns whether the prim was hit at
  * all. */
 HT_INLINE bool ht_intersect_prim(const htree *tree, uint32_t prim, const htree_ray *ray,
@@ -65,11 +75,7 @@ HT_INLINE bool ht_intersect_prim(const htree *tree, uint32_t prim, const htree_r
     } else if (!ht_intersect_object(tree, prim, ray, &found)) {
         return false;
     }
-    if (found.t < hit->t || (found.t == hit->t && prim < hit->prim)) {
-        *hit = found;
-        hit->prim = prim;
-    }
-    return true;
+    return ht_keep_nearer(hit, &found, prim);
 }
 
 #endif

@@ -73,13 +73,13 @@ static htree_status run_proof(proof *p) {
 
 htree_status htree_check(const htree *tree) {
     HT_TRY(ht_tree_verify(tree));
-    if (tree->stack > HT_MAX_DEPTH) {
+    if (tree->stack > ht_stack_limit(tree->kind)) {
         return ht_fail(HTREE_ERROR_CORRUPT, "the tree states a stack of %lu",
                        (unsigned long)tree->stack);
     }
     /* A copy of the hook with its own count: a query may not change the tree. */
     ht_memory memory = {tree->memory.hook, 0, 0};
-    const uint64_t slot_bytes = tree->node_slots / 8 + 1;
+    const uint64_t slot_bytes = ((uint64_t)tree->node_slots + tree->leaf_count) / 8 + 1;
     const uint64_t prim_bytes = ((uint64_t)tree->triangle_count + tree->object_count) / 8 + 1;
     proof p = {tree, NULL, NULL, 0};
     p.slot_seen = (uint8_t *)ht_allocate(&memory, slot_bytes);

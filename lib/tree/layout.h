@@ -87,7 +87,12 @@ typedef struct ht_ug_grid {
 /* ---- Wide tree: eight children a node, eight triangles a leaf, lane by lane ------------------ */
 
 #define HT_LANES     8u
+#define HT_LANE_BITS 3u
 #define HT_WIDE_LEAF 0x80000000u
+
+/* Levels of nodes that the builder stays within, and what may wait on a stack: seven a level. */
+#define HT_WIDE_LEVELS 36u
+#define HT_WIDE_STACK  256u
 
 /* Lane i holds child i: a slot, or HT_WIDE_LEAF | the index of a leaf. The lanes in use come
  * first; the others hold a box that no ray meets: lo > hi. */

@@ -23,16 +23,17 @@ static htree_status count_node(void *data, const ht_place *place, const ht_node_
     return HTREE_OK;
 }
 
-/* A node of a BVH bounds and branches at once. */
-static bool is_bvh(const htree *tree) {
-    return tree->kind == HTREE_BVH_SAH || tree->kind == HTREE_BVH_MEDIAN;
+/* A node of boxes bounds and branches at once. */
+static bool is_of_boxes(const htree *tree) {
+    return tree->kind == HTREE_BVH_SAH || tree->kind == HTREE_BVH_MEDIAN ||
+           tree->kind == HTREE_WIDE;
 }
 
 static htree_status take_census(const htree *tree, census *c) {
     memset(c, 0, sizeof *c);
     c->bounds_area = (double)ht_box_area(&tree->bounds);
     c->role_cost[HT_LEAF] = (double)tree->cost_intersect;
-    c->role_cost[HT_SPLIT] = (double)(is_bvh(tree) ? tree->cost_bv6 : tree->cost_skd);
+    c->role_cost[HT_SPLIT] = (double)(is_of_boxes(tree) ? tree->cost_bv6 : tree->cost_skd);
     c->role_cost[HT_BV2] = (double)tree->cost_bv2;
     c->role_cost[HT_BV6] = (double)tree->cost_bv6;
     c->role_cost[HT_BVO] = (double)tree->cost_bv6;
@@ -62,11 +63,11 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     for (int role = 0; role < HT_ROLES; ++role) s.nodes += c.roles[role];
     s.leaves = c.roles[HT_LEAF];
     s.references = c.references;
-    s.skd_nodes = is_bvh(tree) ? 0 : c.roles[HT_SPLIT];
+    s.skd_nodes = is_of_boxes(tree) ? 0 : c.roles[HT_SPLIT];
     s.bv2_nodes = c.roles[HT_BV2];
-    s.bv6_nodes = is_bvh(tree) ? c.roles[HT_SPLIT] : c.roles[HT_BV6];
+    s.bv6_nodes = is_of_boxes(tree) ? c.roles[HT_SPLIT] : c.roles[HT_BV6];
     s.bvo_nodes = c.roles[HT_BVO];
-    s.ternary_nodes = c.ternary;
+    s.ternary_nodes = is_of_boxes(tree) ? 0 : c.ternary;
     s.link_nodes = c.roles[HT_LINK];
     s.depth = c.depth;
     s.stack = tree->stack;

@@ -16,6 +16,10 @@ static uint64_t slot_bytes(htree_kind kind) {
     }
 }
 
+uint32_t ht_stack_limit(htree_kind kind) {
+    return kind == HTREE_WIDE ? HT_WIDE_STACK : HT_MAX_DEPTH;
+}
+
 htree_box ht_prim_box(const htree *tree, uint32_t prim) {
     if (prim >= tree->triangle_count) return tree->object_boxes[prim - tree->triangle_count];
     htree_box box = ht_box_empty();
@@ -38,7 +42,7 @@ void htree_free(htree *tree) {
     ht_memory memory = tree->memory;
     ht_release(&memory, tree->nodes, tree->node_bytes);
     ht_release(&memory, tree->refs, tree->ref_count * sizeof *tree->refs);
-    ht_release(&memory, tree->blocks, tree->block_capacity * sizeof *tree->blocks);
+    ht_release(&memory, tree->leaves, tree->leaf_count * sizeof *tree->leaves);
     ht_release(&memory, tree->object_boxes, tree->object_count * sizeof *tree->object_boxes);
     ht_release(&memory, tree->triangles, tree->triangle_count * sizeof *tree->triangles);
     ht_release(&memory, tree, sizeof *tree);
@@ -63,9 +67,9 @@ static htree_view view_tree(const htree *tree) {
         v.leaves = tree->refs;
         v.leaf_bytes = tree->ref_count * sizeof *tree->refs;
     }
-    if (tree->blocks) {
-        v.leaves = tree->blocks;
-        v.leaf_bytes = tree->block_count * sizeof *tree->blocks;
+    if (tree->leaves) {
+        v.leaves = tree->leaves;
+        v.leaf_bytes = tree->leaf_count * sizeof *tree->leaves;
     }
     if (tree->kind == HTREE_UG && v.nodes) {
         v.grid = &tree->grid;

@@ -30,10 +30,10 @@ struct htree {
     uint64_t node_bytes; /* allocated */
     uint32_t *refs;      /* UG, KD: prims by leaf */
     uint32_t ref_count;
-    ht_wide_leaf *blocks; /* WIDE: the triangles by leaf */
-    uint32_t block_count, block_capacity;
+    ht_wide_leaf *leaves; /* WIDE */
+    uint32_t leaf_count;
     ht_ug_grid grid;
-    uint32_t stack; /* traversal stack entries needed at most, <= HT_MAX_DEPTH */
+    uint32_t stack; /* traversal stack entries needed at most, <= ht_stack_limit */
 
     uint64_t invalid, degenerate;
     float cost_skd, cost_bv2, cost_bv6, cost_intersect;
@@ -44,6 +44,9 @@ htree_box ht_prim_box(const htree *tree, uint32_t prim);
 
 /* False for the prims that the build skipped. */
 bool ht_prim_is_hittable(const htree *tree, uint32_t prim);
+
+/* The stack that walks of the kind have. */
+uint32_t ht_stack_limit(htree_kind kind);
 
 /* Fails with ARGUMENT if tree is NULL. */
 htree_status ht_tree_verify(const htree *tree);

@@ -107,8 +107,49 @@ static bool view_kd(const htree *tree, const ht_place *place, ht_node_view *view
     return true;
 }
 
+/* The lanes of a leaf must hold what the tree's triangles say: walks read nothing else. */
+static bool view_wide_leaf(const htree *tree, const ht_wide_leaf *leaf, ht_node_view *view) {
+    if (leaf->count < 1 || leaf->count > HT_LANES || leaf->objects > leaf->count) return false;
+    for (uint32_t i = 0; i < HT_LANES; ++i) {
+        const bool object = i >= leaf->count - leaf->objects;
+        const uint32_t prim = leaf->prim[i];
+        if (i < leaf->count && object != (prim >= tree->triangle_count)) return false;
+        for (uint32_t k = 0; k < 9; ++k) {
+            const float should = object ? 0 : tree->triangles[prim].v[k / 3][k % 3];
+            if (leaf->v[k / 3][k % 3][i] != should) return false;
+        }
+    }
+    view_leaf(view, leaf->prim, leaf->count);
+    return true;
+}
+
+/* Leaves are seen as slots that follow those of the nodes. */
+static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *view) {
+    const uint32_t slots = tree->node_slots;
+    view->slots = 1;
+    if (place->slot >= slots) {
+        return view_wide_leaf(tree, &tree->leaves[place->slot - slots], view);
+    }
+    const ht_wide_node *node = (const ht_wide_node *)tree->nodes + place->slot;
+    if (node->count < 1 || node->count > HT_LANES) return false;
+    view->role = HT_SPLIT;
+    for (uint32_t i = 0; i < node->count; ++i) {
+        const uint32_t child = node->child[i], leaf = child & ~HT_WIDE_LEAF;
+        const bool is_leaf = (child & HT_WIDE_LEAF) != 0;
+        htree_box box;
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            box.lo[axis] = node->lo[axis][i];
+            box.hi[axis] = node->hi[axis][i];
+        }
+        if (is_leaf ? leaf >= tree->leaf_count : child >= slots) return false;
+        add_child(view, place, is_leaf ? slots + leaf : child, &box);
+        view->child[i].branches = place->branches + node->count - 1;
+    }
+    return true;
+}
+
 bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) {
-    if (place->slot >= tree->node_slots) return false;
+    if (place->slot >= (uint64_t)tree->node_slots + tree->leaf_count) return false;
     memset(view, 0, sizeof *view);
     switch (tree->kind) {
     case HTREE_KD: return view_kd(tree, place, view);
@@ -117,6 +158,7 @@ bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) 
     case HTREE_SKD:
     case HTREE_H:
     case HTREE_AH: return view_h(tree, place, view);
+    case HTREE_WIDE: return view_wide(tree, place, view);
     default: return false;
     }
 }
@@ -140,7 +182,7 @@ static htree_status visit_below(const htree *tree, const ht_place *top, uint64_t
                            (unsigned long)place.slot);
         }
         /* More nodes than slots, or branches than builders make: the links form a cycle. */
-        if ((*budget)-- == 0 || place.branches > HT_MAX_DEPTH) {
+        if ((*budget)-- == 0 || place.branches > ht_stack_limit(tree->kind)) {
             return ht_fail(HTREE_ERROR_CORRUPT, "the nodes do not form a tree at slot %lu",
                            (unsigned long)place.slot);
         }
@@ -184,6 +226,6 @@ htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data) {
     if (tree->prim_count == 0) return HTREE_OK;
     if (tree->kind == HTREE_UG) return visit_cells(tree, see, data);
     const ht_place root = ht_root_place(tree);
-    uint64_t budget = tree->node_slots;
+    uint64_t budget = (uint64_t)tree->node_slots + tree->leaf_count;
     return visit_below(tree, &root, &budget, see, data);
 }

@@ -29,7 +29,7 @@ typedef struct ht_node_view {
     const uint32_t *prims; /* of a leaf */
     uint32_t prim_count;
     uint32_t child_count;
-    ht_place child[3];
+    ht_place child[8];
 } ht_node_view;
 
 ht_place ht_root_place(const htree *tree);

@@ -76,7 +76,7 @@ static bool kind_is_here(htree_kind kind) {
 }
 
 htree_kind next_kind(htree_kind kind) {
-    for (++kind; kind <= HTREE_AH; ++kind) {
+    for (++kind; kind <= HTREE_WIDE; ++kind) {
         if (kind_is_here(kind)) return kind;
     }
     return 0;
