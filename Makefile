@@ -44,6 +44,7 @@ HAVE_PNG := $(call have,libpng)
 HAVE_ASSIMP := $(call have,assimp)
 HAVE_WEBP := $(call have,libwebpmux)
 HAVE_CMOCKA := $(call have,cmocka)
+HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VERSION=120 -E - >/dev/null 2>&1 && echo yes)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c))
@@ -56,6 +57,15 @@ obj = $(patsubst %.c,$(B)/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 STATIC := $(B)/libhtree.a
 SHARED := $(B)/libhtree.so.$(VERSION)
+
+# libhtree_cl: what it shares with libhtree below the public functions, it holds once more.
+KERNELS := probe bvh h kd ug wide
+CL_OBJ := $(call obj,$(sort $(wildcard lib/opencl/*.c))) $(B)/cl/kernels.o
+CL_BASE_OBJ := $(call obj,lib/base/memory.c lib/base/status.c lib/base/tasks.c)
+ifeq ($(HAVE_OPENCL),yes)
+CL_STATIC := $(B)/libhtree_cl.a
+CL_SHARED := $(B)/libhtree_cl.so.$(VERSION)
+endif
 PROGRAMS := $(B)/minimal
 ifeq ($(HAVE_PNG),yes)
 PROGRAMS += $(B)/htree-render
@@ -69,9 +79,12 @@ TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC))
 .SECONDARY:
 .DELETE_ON_ERROR:
 
-all: $(STATIC) $(SHARED) $(PROGRAMS) ## build the library and the programs into build/$(config)
+all: $(STATIC) $(SHARED) $(CL_STATIC) $(CL_SHARED) $(PROGRAMS) ## build the library and the programs into build/$(config)
 ifneq ($(HAVE_PNG),yes)
 	@echo "skipped htree-render: libpng is missing (make deps, or apt-get install libpng-dev)"
+endif
+ifneq ($(HAVE_OPENCL),yes)
+	@echo "skipped libhtree_cl: OpenCL headers are missing (make deps, or apt-get install opencl-headers)"
 endif
 ifneq ($(HAVE_ASSIMP),yes)
 	@echo "note: htree-render reads PLY only: assimp is missing (apt-get install libassimp-dev)"
@@ -80,13 +93,23 @@ ifneq ($(HAVE_WEBP),yes)
 	@echo "note: htree-animate writes no WebP: libwebp is missing (apt-get install libwebp-dev)"
 endif
 
-lib: $(STATIC) $(SHARED) ## the library alone: needs a C compiler and nothing else
+lib: $(STATIC) $(SHARED) $(CL_STATIC) $(CL_SHARED) ## the library alone: needs a C compiler and nothing else
 
 # ---- Compile --------------------------------------------------------------------------------------
 $(B)/lib/%.o: lib/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib -DHTREE_BUILDING $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+# Kernels travel inside the library, each as one array of bytes, as they are in cl/.
+$(B)/cl/kernels.c: cl/embed.sh lib/tree/layout.h cl/common.cl $(KERNELS:%=cl/%.cl)
+	$(call say,EMBED,cl/)
+	@mkdir -p $(@D)
+	$(Q)sh cl/embed.sh $(KERNELS) >$@
+
+$(B)/cl/kernels.o: $(B)/cl/kernels.c
+	$(call say,CC,$<)
+	$(Q)$(CC) $(BASE) $(OURS_CPP) -Ilib $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 PNG_CFLAGS := $(if $(HAVE_PNG),$(shell $(PKG_CONFIG) --cflags libpng))
 PNG_LIBS := $(if $(HAVE_PNG),$(shell $(PKG_CONFIG) --libs libpng))
@@ -118,6 +141,16 @@ $(SHARED): $(LIB_OBJ) lib/htree.map
 	$(Q)$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/htree.map -Wl,-z,relro,-z,now \
 	    $(LINK) -o $@ $(LIB_OBJ) -lm -lpthread
 	$(Q)ln -sf $(@F) $(B)/$(SONAME) && ln -sf $(SONAME) $(B)/libhtree.so
+
+$(B)/libhtree_cl.a: $(CL_OBJ)
+	$(call say,AR,$@)
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
+
+$(B)/libhtree_cl.so.$(VERSION): $(CL_OBJ) $(CL_BASE_OBJ) $(SHARED) lib/htree_cl.map
+	$(call say,LINK,$@)
+	$(Q)$(CC) -shared -Wl,-soname,libhtree_cl.so.0 -Wl,--version-script=lib/htree_cl.map \
+	    -Wl,-z,relro,-z,now $(LINK) -o $@ $(CL_OBJ) $(CL_BASE_OBJ) -L$(B) -lhtree -lpthread -ldl
+	$(Q)ln -sf $(@F) $(B)/libhtree_cl.so.0 && ln -sf libhtree_cl.so.0 $(B)/libhtree_cl.so
 
 $(B)/minimal: $(B)/examples/minimal.o $(STATIC)
 	$(call say,LINK,$@)

@@ -5,7 +5,7 @@
 #ifndef HT_LAYOUT_H
 #define HT_LAYOUT_H
 
-#ifndef __OPENCL_VERSION__
+#ifndef __OPENCL_C_VERSION__
 #include <stdint.h>
 typedef uint32_t ht_word;
 #else
@@ -113,5 +113,13 @@ typedef struct ht_wide_leaf {
     ht_word objects; /* user objects among them, the last ones */
     ht_word unused[6];
 } ht_wide_leaf;
+
+/* ---- On devices: what a kernel is told beside the arrays ------------------------------------ */
+
+typedef struct ht_scene {
+    float lo[3], hi[3]; /* the bounds */
+    ht_word prims;      /* 0: every ray misses, and there are no arrays */
+    ht_ug_grid grid;
+} ht_scene;
 
 #endif
