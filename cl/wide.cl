@@ -8,12 +8,18 @@ float8 min8(float8 a, float8 b) {
     return b < a ? b : a;
 }
 
-/* A bit for every lane that is true. */
+/* A bit for every lane that is true: OpenCL C has no word for the instruction that CPUs have for it,
+ * which is worth a sixth of the time. */
 uint lanes_of(int8 lanes) {
+#ifdef __AVX__
+    typedef __attribute__((__vector_size__(32))) float ymm;
+    return (uint)__builtin_ia32_movmskps256(__builtin_astype(lanes, ymm));
+#else
     const int8 bits = lanes & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
     const int4 four = bits.lo | bits.hi;
     const int2 two = four.lo | four.hi;
     return (uint)(two.x | two.y);
+#endif
 }
 
 uint lowest_lane(uint mask) {
@@ -72,37 +78,57 @@ bool intersect_leaf(__global const ht_wide_leaf *leaf, const ht_ray *r, ht_hit *
     return false;
 }
 
+typedef struct wide_entry {
+    uint child;
+    float tnear;
+} wide_entry;
+
+/* Follows the nearest child in *here and leaves the others on the stack, the farthest at the
+ * bottom; the first hit that comes will do for `any`, so there the order is as it is. */
+uint push_children(__global const ht_wide_node *node, uint mask, const float *entry,
+                   wide_entry *here, wide_entry *stack, uint top, const bool any) {
+    const uint bottom = top, first = lowest_lane(mask);
+    here->child = node->child[first];
+    here->tnear = entry[first];
+    for (mask &= mask - 1; mask; mask &= mask - 1) {
+        const uint i = lowest_lane(mask);
+        wide_entry later = {node->child[i], entry[i]};
+        if (!any && later.tnear < here->tnear) {
+            const wide_entry nearer = later;
+            later = *here;
+            *here = nearer;
+        }
+        uint k = top++;
+        for (; !any && k > bottom && stack[k - 1].tnear < later.tnear; --k) stack[k] = stack[k - 1];
+        stack[k] = later;
+    }
+    return top;
+}
+
 void walk_wide(__global const ht_scene *scene, __global const void *slots,
                __global const float *triangles, __global const void *blocks, const ht_ray *r,
                ht_hit *hit, const bool any) {
     __global const ht_wide_node *nodes = (__global const ht_wide_node *)slots;
     __global const ht_wide_leaf *leaves = (__global const ht_wide_leaf *)blocks;
-    uint waiting[HT_STACK];
-    float waiting_tnear[HT_STACK];
+    wide_entry stack[HT_STACK];
+    wide_entry here = {0, r->tnear};
     float entry[8] __attribute__((aligned(32)));
-    uint top = 0, child = 0;
+    uint top = 0;
     for (;;) {
-        if (child & HT_WIDE_LEAF) {
-            if (intersect_leaf(&leaves[child & ~HT_WIDE_LEAF], r, hit, any)) return;
+        if (here.child & HT_WIDE_LEAF) {
+            if (intersect_leaf(&leaves[here.child & ~HT_WIDE_LEAF], r, hit, any)) return;
         } else {
-            __global const ht_wide_node *node = &nodes[child];
-            const uint bottom = top;
-            for (uint mask = meet_children(node, r, hit->t, entry); mask; mask &= mask - 1) {
-                const uint i = lowest_lane(mask);
-                uint k = top++;
-                for (; k > bottom && waiting_tnear[k - 1] < entry[i]; --k) {
-                    waiting[k] = waiting[k - 1];
-                    waiting_tnear[k] = waiting_tnear[k - 1];
-                }
-                waiting[k] = node->child[i];
-                waiting_tnear[k] = entry[i];
+            __global const ht_wide_node *node = &nodes[here.child];
+            const uint mask = meet_children(node, r, hit->t, entry);
+            if (mask) {
+                top = push_children(node, mask, entry, &here, stack, top, any);
+                continue;
             }
         }
         do {
             if (top == 0) return;
-            --top;
-        } while (waiting_tnear[top] > hit->t);
-        child = waiting[top];
+            here = stack[--top];
+        } while (here.tnear > hit->t);
     }
 }
 

@@ -98,7 +98,7 @@ HTREE_API htree_status htree_cl_options_init(htree_cl_options *options, uint64_t
 
 typedef struct htree_cl htree_cl;
 
-/* Opens a device: by index in decimal, or by part of its or its platform's name in any case
+/* Opens a device: by index in decimal, or by part of its name, platform or version in any case
  * ("pocl"). Compiles a small kernel and compares its answers with the CPU's.
  * NULL       name: the first GPU, or else the first device. options: the defaults.
  * Errors     ARGUMENT, NO_DEVICE, MEMORY, DEVICE, DEVICE_LOST; KERNEL: its compiler refuses the

@@ -159,7 +159,8 @@ static uint32_t index_of(const char *name) {
 static bool is_wanted(const htree_cl_info *info, const char *name, uint32_t index) {
     const uint32_t wanted = index_of(name);
     if (wanted != HTREE_NONE) return index == wanted;
-    return contains(info->platform, name) || contains(info->device, name);
+    return contains(info->platform, name) || contains(info->device, name) ||
+           contains(info->version, name);
 }
 
 htree_status ht_cl_find(const ht_cl_api *api, const char *name, cl_device_id *id, uint32_t *index) {

@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: MIT
+"""Trees: built from a mesh, queried by rays, closed by their owner."""
+
+from __future__ import annotations
+
+import weakref
+from functools import cached_property
+from types import TracebackType
+from typing import Any, NamedTuple, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arrays, _hooks
+from ._errors import check
+from ._options import Kind, Options, kind_name, options_of
+from .raw import ffi, lib
+
+NONE = 0xFFFFFFFF  # HTREE_NONE, the prim of a miss
+
+
+class Hits(NamedTuple):
+    """The closest hits of a batch: views of the fields of one array of htree.hit_dtype."""
+
+    t: NDArray[np.float32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
+    prim: NDArray[np.uint32]
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Which rays hit something."""
+        mask: NDArray[np.bool_] = self.prim != NONE
+        return mask
+
+
+class Hit(NamedTuple):
+    """The closest hit of one ray."""
+
+    t: float
+    u: float
+    v: float
+    prim: int
+
+
+class Stats(NamedTuple):
+    """htree_stats: what the tree is made of, in the paper's terms."""
+
+    kind: str
+    triangles: int
+    objects: int
+    invalid: int
+    degenerate: int
+    nodes: int
+    leaves: int
+    references: int
+    skd_nodes: int
+    bv2_nodes: int
+    bv6_nodes: int
+    link_nodes: int
+    bvo_nodes: int
+    ternary_nodes: int
+    depth: int
+    stack: int
+    bytes: int
+    peak_bytes: int
+    build_seconds: float
+    sah_cost: float
+
+
+class View(NamedTuple):
+    """htree_view: the arrays of the tree itself, read-only. They keep its memory alive, even beyond
+    `close`. Nodes, leaves and grid are bytes, laid out as lib/tree/layout.h of this version says."""
+
+    kind: str
+    bounds: NDArray[np.float32]
+    prims: int
+    triangle_count: int
+    object_count: int
+    stack: int
+    triangles: NDArray[np.float32]
+    nodes: NDArray[np.uint8]
+    leaves: NDArray[np.uint8]
+    grid: NDArray[np.uint8]
+
+
+class _Owner:
+    """Memory of a tree. It goes when the last of its users does: the Tree until it is closed, every
+    query while it runs, every array of a view. So close never has to wait."""
+
+    def __init__(self, pointer: Any, keep: list[Any]) -> None:
+        self.pointer = pointer
+        # Not at exit: daemon threads may still be in a query, and the system takes memory back.
+        weakref.finalize(self, _free, pointer, keep).atexit = False
+
+
+def _free(pointer: Any, keep: list[Any]) -> None:
+    lib.htree_free(pointer)
+    keep.clear()
+
+
+class _Memory:
+    """Bytes of a tree as numpy sees them: read-only, and holding the tree's memory."""
+
+    def __init__(self, owner: _Owner, address: Any, count: int, kind: str) -> None:
+        self.owner = owner
+        start = int(ffi.cast("uintptr_t", address))
+        self.__array_interface__ = {
+            "version": 3, "shape": (count,), "typestr": kind, "data": (start, True)
+        }  # fmt: skip
+
+    @classmethod
+    def array(cls, owner: _Owner, address: Any, count: int, kind: str) -> NDArray[Any]:
+        if count == 0 or address == ffi.NULL:
+            return np.frombuffer(b"", kind)
+        return np.asarray(cls(owner, address, count, kind))
+
+
+class Tree:
+    """A finished tree, from `htree.build`. It never changes, so any number of threads may query it;
+    queries release the GIL."""
+
+    def __init__(self, owner: _Owner, options: Options, one_thread: bool) -> None:
+        self._owner: _Owner | None = owner
+        self._one_thread = one_thread
+        self.options = options
+
+    # ---- Life -----------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Frees the tree, once no query runs on it and no view is left. Again is harmless."""
+        self._owner = None
+
+    @property
+    def closed(self) -> bool:
+        return self._owner is None
+
+    def _open(self) -> _Owner:
+        owner = self._owner
+        if owner is None:
+            raise ValueError("the tree is closed")
+        return owner
+
+    def __enter__(self) -> Tree:
+        self._open()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Tree cannot be pickled or copied: build it again from its mesh")
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<htree.Tree closed>"
+        s = self.stats
+        objects = f" and {s.objects:,} objects" if s.objects else ""
+        return (
+            f"<htree.Tree {s.kind}: {s.triangles:,} triangles{objects}, {s.nodes:,} nodes, "
+            f"depth {s.depth}, {s.bytes / 1024:,.1f} KiB, built in {s.build_seconds * 1e3:.3g} ms>"
+        )
+
+    # ---- Query ----------------------------------------------------------------------------------
+
+    def intersect(
+        self,
+        rays: ArrayLike,
+        directions: ArrayLike | None = None,
+        *,
+        tmin: ArrayLike | None = None,
+        tmax: ArrayLike | None = None,
+        out: NDArray[Any] | None = None,
+        threads: int | None = None,
+        counters: NDArray[Any] | None = None,
+        progress: _hooks.Report | None = None,
+    ) -> Hits:
+        """The closest hit of every ray.
+
+        rays, directions   an array of htree.ray_dtype or of (..., 8) float32, used as it is; or
+                           origins and directions, (..., 3) each, which broadcast, with tmin
+                           (default 0) and tmax (default infinity)
+        out                an array of htree.hit_dtype for the hits, in the shape of the rays
+        threads            0 all cores, 1 this thread, n at most n; default: as the tree was built
+        counters           an array of htree.counters_dtype, for what each ray cost
+        progress           a function of a fraction; the query stops when it returns true, and
+                           htree.Cancelled or whatever it raised is raised
+        """
+        array = _arrays.rays(rays, directions, tmin, tmax)
+        hits = _arrays.answers(out, [_arrays.hit_dtype], array.shape, "out")
+        address = _arrays.pointer("htree_hit *", hits)
+        self._query(lib.htree_intersect, array, hits, address, threads, counters, progress)
+        return Hits(hits["t"], hits["u"], hits["v"], hits["prim"])
+
+    def occluded(
+        self,
+        rays: ArrayLike,
+        directions: ArrayLike | None = None,
+        *,
+        tmin: ArrayLike | None = None,
+        tmax: ArrayLike | None = None,
+        out: NDArray[Any] | None = None,
+        threads: int | None = None,
+        counters: NDArray[Any] | None = None,
+        progress: _hooks.Report | None = None,
+    ) -> NDArray[np.bool_]:
+        """Whether each ray hits anything. As `intersect`, and faster; `out` is of bool or uint8."""
+        array = _arrays.rays(rays, directions, tmin, tmax)
+        answers = _arrays.answers(out, [np.dtype(bool), np.dtype("u1")], array.shape, "out")
+        address = _arrays.pointer("uint8_t *", answers)
+        self._query(lib.htree_occluded, array, answers, address, threads, counters, progress)
+        return answers
+
+    def intersect_one(
+        self, org: ArrayLike, dir: ArrayLike, tmin: float = 0.0, tmax: float = np.inf
+    ) -> Hit | None:
+        """The closest hit of one ray, or None. A batch is much faster than many of these."""
+        hits = self.intersect(org, dir, tmin=tmin, tmax=tmax)
+        if hits.prim.shape != ():
+            raise ValueError("org and dir must be of three numbers: intersect takes batches")
+        if not hits.hit:
+            return None
+        return Hit(float(hits.t), float(hits.u), float(hits.v), int(hits.prim))
+
+    def occluded_one(
+        self, org: ArrayLike, dir: ArrayLike, tmin: float = 0.0, tmax: float = np.inf
+    ) -> bool:
+        """Whether one ray hits anything."""
+        answer = self.occluded(org, dir, tmin=tmin, tmax=tmax)
+        if answer.shape != ():
+            raise ValueError("org and dir must be of three numbers: occluded takes batches")
+        return bool(answer)
+
+    def _query(
+        self,
+        function: Any,
+        rays: NDArray[Any],
+        answers: NDArray[Any],
+        address: Any,
+        threads: int | None,
+        counters: NDArray[Any] | None,
+        progress: _hooks.Report | None,
+    ) -> None:
+        owner = self._open()
+        if np.may_share_memory(rays, answers):
+            raise ValueError("rays and out overlap")
+        call = _hooks.Call(progress)
+        query = ffi.new("htree_query *")
+        check(lib.htree_query_init(query, ffi.sizeof("htree_query")))
+        query.threads = self.options.threads if threads is None else threads
+        if self._one_thread:
+            query.threads = 1  # an object's exception belongs to the query of its thread
+        if progress is not None or self._one_thread:
+            call.report_into(query.progress)
+        if counters is not None:
+            _arrays.answers(counters, [_arrays.counters_dtype], rays.shape, "counters")
+            query.counters = _arrays.pointer("htree_counters *", counters)
+        start = _arrays.pointer("htree_ray *", rays)
+        call.run(function, owner.pointer, start, rays.size, address, query)
+
+    # ---- Inspect --------------------------------------------------------------------------------
+
+    @property
+    def kind(self) -> str:
+        """The structure that the tree is."""
+        return self.options.kind
+
+    @cached_property
+    def _stats(self) -> Stats:
+        owner = self._open()
+        stats = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
+        check(lib.htree_get_stats(owner.pointer, stats))
+        numbers = (getattr(stats, name) for name in Stats._fields[1:])
+        return Stats(Kind(kind_name(stats.kind)), *numbers)
+
+    @property
+    def stats(self) -> Stats:
+        """What the tree is made of. Walks the tree once."""
+        self._open()
+        return self._stats
+
+    @property
+    def bounds(self) -> NDArray[np.float32]:
+        """(2, 3): lo and hi of everything that can be hit; +inf and -inf if there is nothing."""
+        owner = self._open()
+        box = ffi.new("htree_box *")
+        check(lib.htree_get_bounds(owner.pointer, box))
+        return _box(box)
+
+    def view(self) -> View:
+        """The arrays of the tree itself, without a copy."""
+        owner = self._open()
+        view = ffi.new("htree_view *", {"size": ffi.sizeof("htree_view")})
+        check(lib.htree_get_view(owner.pointer, view))
+
+        count = 9 * view.triangle_count
+        return View(
+            kind=Kind(kind_name(view.kind)),
+            bounds=_box(view.bounds),
+            prims=view.prims,
+            triangle_count=view.triangle_count,
+            object_count=view.object_count,
+            stack=view.stack,
+            triangles=_Memory.array(owner, view.triangles, count, "=f4").reshape(-1, 3, 3),
+            nodes=_Memory.array(owner, view.nodes, view.node_bytes, "=u1"),
+            leaves=_Memory.array(owner, view.leaves, view.leaf_bytes, "=u1"),
+            grid=_Memory.array(owner, view.grid, view.grid_bytes, "=u1"),
+        )
+
+    def check(self) -> None:
+        """Proves the structure; raises htree.CorruptError where it cannot."""
+        owner = self._open()
+        check(lib.htree_check(owner.pointer))
+
+
+def _box(box: Any) -> NDArray[np.float32]:
+    return np.array([list(box.lo), list(box.hi)], np.float32)
+
+
+def build(
+    positions: ArrayLike | None,
+    indices: ArrayLike | None = None,
+    options: Options | str = Kind.BALANCED,
+    *,
+    objects: _hooks.Objects | None = None,
+    progress: _hooks.Report | None = None,
+) -> Tree:
+    """Builds a tree over triangles and objects; it keeps no reference to the arrays.
+
+    positions   (n, 3): vertices. float32 is read where it lies, also with space between the rows
+    indices     (m, 3): vertices of each triangle; None: every three vertices are a triangle
+    options     htree.Options or the name of a kind
+    objects     objects of your own; object j is prim m + j
+    progress    a function of a fraction; the build stops when it returns true, and
+                htree.Cancelled or whatever it raised is raised
+    """
+    options = options_of(options)
+    vertices = _arrays.rows([] if positions is None else positions, np.float32, 3, "positions")
+    corners = None if indices is None else _arrays.indices(indices)
+    if corners is None and len(vertices) % 3:
+        raise ValueError(f"{len(vertices)} vertices without indices are no whole triangles")
+
+    mesh = ffi.new("htree_mesh *")
+    mesh.positions = _arrays.pointer("float *", vertices)
+    mesh.position_stride = vertices.strides[0] if vertices.size else 0
+    mesh.vertex_count = len(vertices)
+    mesh.triangle_count = len(vertices) // 3 if corners is None else len(corners)
+    if corners is not None:
+        mesh.indices = _arrays.pointer("uint32_t *", corners)
+    settings, keep = options.to_c()
+    if objects is not None:
+        described, kept = objects.to_c()
+        mesh.objects = described
+        keep.append(kept)
+
+    call = _hooks.Call(progress)
+    if progress is not None:
+        call.report_into(settings.progress)
+    out = ffi.new("htree **")
+    try:
+        call.run(lib.htree_build, out, mesh, settings)
+    except BaseException:
+        lib.htree_free(out[0])  # there is one where a hook raised and the library went on
+        raise
+    return Tree(_Owner(out[0], keep), options, objects is not None and objects.is_python)
