@@ -51,8 +51,10 @@ LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*
 PARTS := mesh picture program bart animate table1 visibility
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
 PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS))
-TEST_COMMON_SRC := $(sort $(wildcard tests/common/*.c))
-TEST_SRC := $(sort $(wildcard tests/test_*.c))
+TEST_CL_SRC := $(if $(HAVE_OPENCL),$(sort $(wildcard tests/test_cl*.c)))
+TEST_CL_COMMON_SRC := tests/common/cl_suite.c
+TEST_COMMON_SRC := $(filter-out $(TEST_CL_COMMON_SRC),$(sort $(wildcard tests/common/*.c)))
+TEST_SRC := $(filter-out $(wildcard tests/test_cl*.c),$(sort $(wildcard tests/test_*.c)))
 obj = $(patsubst %.c,$(B)/%.o,$(1))
 LIB_OBJ := $(call obj,$(LIB_SRC))
 STATIC := $(B)/libhtree.a
@@ -72,7 +74,8 @@ PROGRAMS += $(B)/htree-render
 PROGRAMS += $(B)/htree-table1 $(B)/htree-visibility
 PROGRAMS += $(B)/htree-animate
 endif
-TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC))
+CL_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_CL_SRC))
+TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC)) $(CL_TESTS)
 
 .DEFAULT_GOAL := all
 .SUFFIXES:
@@ -163,6 +166,11 @@ $(B)/htree-%: $(B)/examples/%.o $(call obj,$(PART_SRC)) $(STATIC)
 # Of the examples, tests link what needs nothing but libc and libm.
 TEST_EXAMPLE_SRC := $(sort $(wildcard examples/bart/*.c)) examples/picture/camera.c \
     $(patsubst %,examples/mesh/%.c,decimal shapes subdivide)
+$(CL_TESTS): $(B)/tests/%: $(B)/tests/%.o $(call obj,$(TEST_CL_COMMON_SRC)) \
+    $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(CL_STATIC) $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread -ldl
+
 $(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread

@@ -112,6 +112,9 @@ static void presets_are_kinds_and_costs_can_be_measured(void **state) {
         assert_true(options.kind >= HTREE_UG && options.kind <= HTREE_WIDE);
         assert_int_equal(htree_kind_from_name(htree_kind_name(preset[i])), preset[i]);
         compare(&mesh, &options, 200);
+        options.kind = preset[i]; /* by hand, after htree_options_init */
+        compare(&mesh, &options, 10);
+        options = options_of(preset[i]);
         assert_int_equal(htree_calibrate(&options), HTREE_OK);
         assert_true(options.cost_skd == 1 && options.cost_bv2 > 0 && options.cost_bv6 > 0);
         compare(&mesh, &options, 200);

@@ -60,7 +60,8 @@ static void every_status_has_a_name_of_its_own(void **state) {
 }
 
 static void kind_names_go_there_and_back(void **state) {
-    static const char *const names[] = {"ug", "kd", "bvh-median", "bvh-sah", "skd", "h", "ah", "wide"};
+    static const char *const names[] = {"ug",  "kd", "bvh-median", "bvh-sah",
+                                        "skd", "h",  "ah",         "wide"};
     static const char *const strange[] = {"", "H", "h ", " h", "bvh", "bvh_sah", "htree", "\xff"};
     (void)state;
     for (htree_kind kind = HTREE_UG; kind <= HTREE_WIDE; ++kind) {

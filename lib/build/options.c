@@ -121,6 +121,7 @@ htree_status ht_options_read(const htree_options *given, htree_options *options)
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.few_prims is %lu: must be 1 to 2^20",
                        (unsigned long)options->few_prims);
     }
+    resolve_preset(options);
     HT_TRY(check_cost("cost_skd", options->cost_skd));
     HT_TRY(check_cost("cost_bv2", options->cost_bv2));
     HT_TRY(check_cost("cost_bv6", options->cost_bv6));

@@ -198,7 +198,8 @@ static void make_intervals(const ray_target *target, dice *d, uint64_t index, ht
     if (dice_below(d, 2) != 0) {
         for (int k = 0; k < 3; ++k) ray->dir[k] = -ray->dir[k];
     }
-    ray->tmin = nudged(ends[dice_below(d, COUNT_OF(ends))], few_ulps(d));
+    const float end = ends[dice_below(d, COUNT_OF(ends))]; /* arguments have no order */
+    ray->tmin = nudged(end, few_ulps(d));
     ray->tmax = dice_below(d, 4) == 0 ? ray->tmin : ends[dice_below(d, COUNT_OF(ends))];
 }
 
