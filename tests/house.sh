@@ -7,6 +7,8 @@ cd "$(dirname "$0")/.." || exit 1
 release=build/release
 shared=$release/libhtree.so
 static=$release/libhtree.a
+shared_cl=$release/libhtree_cl.so
+static_cl=$release/libhtree_cl.a
 CC=${CC:-cc}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -29,13 +31,17 @@ have() {
     command -v "$1" >/dev/null 2>&1
 }
 
-# ---- The header ---------------------------------------------------------------------------------------
+has_opencl() {
+    [ -f "$shared_cl" ]
+}
 
-# The header alone, then twice, by compiler $1 in language $2 and standard $3.
+# ---- The headers --------------------------------------------------------------------------------------
+
+# Header $5 alone, then twice, by compiler $1 in language $2 and standard $3.
 header_compiles() {
     extension=c
     [ "$2" = c++ ] && extension=cpp
-    printf '#include "htree.h"\n#include "htree.h"\nint main(void) { return (int)htree_version() == 0; }\n' \
+    printf '#include "%s"\n#include "%s"\nint main(void) { return (int)htree_version() == 0; }\n' "$5" "$5" \
         >"$work/header.$extension"
     # shellcheck disable=SC2086
     $1 -x "$2" "-std=$3" -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror $4 -Iinclude -fsyntax-only \
@@ -54,7 +60,10 @@ check_headers() {
         for standard in c99 c11 c17; do
             knows "$compiler" c $standard || continue
             rule "header-${compiler%% *}-$standard" header_compiles "$compiler" c $standard \
-                '-Wmissing-prototypes -Wc++-compat'
+                '-Wmissing-prototypes -Wc++-compat' htree.h
+            has_opencl || continue
+            rule "header-cl-${compiler%% *}-$standard" header_compiles "$compiler" c $standard \
+                '-Wmissing-prototypes -Wc++-compat' htree_cl.h
         done
     done
     for compiler in g++ clang++; do
@@ -62,23 +71,27 @@ check_headers() {
         for standard in c++98 c++11 c++14 c++17 c++20; do
             knows $compiler c++ $standard || continue
             # C++98 knows long long as an extension only; the header's uint64_t may be one.
-            rule "header-$compiler-$standard" header_compiles $compiler c++ $standard -Wno-long-long
+            rule "header-$compiler-$standard" header_compiles $compiler c++ $standard -Wno-long-long htree.h
+            has_opencl || continue
+            rule "header-cl-$compiler-$standard" header_compiles $compiler c++ $standard -Wno-long-long htree_cl.h
         done
     done
 }
 
 # ---- The ABI ------------------------------------------------------------------------------------------
 
+# The symbols of library $1.
 exported() {
-    nm -D --defined-only "$shared" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
+    nm -D --defined-only "$1" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
 }
 
-only_htree_is_exported() {
-    strangers=$(exported | grep -v '^htree_')
-    [ -z "$strangers" ] || { echo "$shared exports" $strangers; return 1; }
+# Library $1 exports nothing but names that begin with $2.
+only_ours_is_exported() {
+    strangers=$(exported "$1" | grep -v "^$2")
+    [ -z "$strangers" ] || { echo "$1 exports" $strangers; return 1; }
 }
 
-# What the header declares: `size TYPE`, `field TYPE.FIELD` and `constant NAME`, in its order.
+# What header $1 declares: `size TYPE`, `field TYPE.FIELD` and `constant NAME`, in its order.
 abi_names() {
     awk '
         /^typedef (u?int[0-9]+_t) [a-z_]+;/ { sub(/;/, "", $3); print "size", $3 }
@@ -105,16 +118,16 @@ abi_names() {
         }
         listing && /^ *HTREE_[A-Z_0-9]+ =/ { print "constant", $1 }
         /^#define HTREE_[A-Z_]+ +[0-9U]/ { print "constant", $2 }
-    ' include/htree.h
+    ' "include/$1"
 }
 
-# The ABI of this header, this compiler and this library.
+# The ABI of header $1, this compiler and library $2.
 abi_now() {
-    abi_names >"$work/names"
-    [ -s "$work/names" ] || { echo "cannot read include/htree.h"; return 1; }
+    abi_names "$1" >"$work/names"
+    [ -s "$work/names" ] || { echo "cannot read include/$1"; return 1; }
     {
+        echo "#include \"$1\""
         cat <<'C'
-#include "htree.h"
 #include <stddef.h>
 #include <stdio.h>
 #define SIZE(type) printf("size %s %lu\n", #type, (unsigned long)sizeof(type));
@@ -133,42 +146,43 @@ C
     $CC -std=c99 -Iinclude -o "$work/abi" "$work/abi.c" || return 1
     echo '# Sizes, fields (offset, size), constants and symbols, on 64-bit machines: see tests/house.sh.'
     "$work/abi"
-    exported | sed 's/^/symbol /'
+    exported "$2" | sed 's/^/symbol /'
 }
 
+# The ABI of header $1 and library $2 is that of file $3.
 abi_is_as_committed() {
-    abi_now >"$work/abi.now" || return 1
-    diff -u tests/abi.txt "$work/abi.now" ||
-        { echo "the ABI differs from tests/abi.txt; if that is meant: sh tests/house.sh --abi"; return 1; }
+    abi_now "$1" "$2" >"$work/abi.now" || return 1
+    diff -u "$3" "$work/abi.now" ||
+        { echo "the ABI differs from $3; if that is meant: sh tests/house.sh --abi"; return 1; }
 }
 
 # ---- The library --------------------------------------------------------------------------------------
 
 # Printing, ending the process and what keeps global state. vsnprintf writes to memory and is fine.
 nothing_exits_or_prints() {
-    found=$(nm -D --undefined-only "$shared" | awk '{ sub(/@.*/, "", $2); print $2 }' |
+    found=$(nm -D --undefined-only "$1" | awk '{ sub(/@.*/, "", $2); print $2 }' |
         grep -xE 'abort|_?_?exit|_Exit|quick_exit|atexit|v?f?printf|__v?f?printf_chk|puts|fputs|putchar|fwrite|perror|fopen|getenv|srand|rand|signal|setlocale|__assert_fail')
-    [ -z "$found" ] || { echo "$shared calls" $found; return 1; }
+    [ -z "$found" ] || { echo "$1 calls" $found; return 1; }
 }
 
 needs_libc_only() {
-    needed=$(readelf -d "$shared" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' |
-        grep -vE '^(libc|libm|libpthread|ld-linux[a-z0-9-]*)\.so')
-    [ -z "$needed" ] || { echo "$shared needs" $needed; return 1; }
+    needed=$(readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' |
+        grep -vE "^(libc|libm|libpthread|ld-linux[a-z0-9-]*|$2)\\.so")
+    [ -z "$needed" ] || { echo "$1 needs" $needed; return 1; }
 }
 
 # Symbols of objects in sections that stay writable; tables of pointers in .data.rel.ro do not, and
 # thread-local variables have sections of their own.
 no_writable_globals() {
-    found=$(objdump -t "$static" | awk '
+    found=$(objdump -t "$1" | awk '
         / O / { for (i = 1; i <= NF; ++i) if ($i ~ /^(\.data|\.bss|\*COM\*)/ && $i !~ /^\.data\.rel\.ro/) print $NF }')
-    [ -z "$found" ] || { echo "$static has writable globals:" $found; return 1; }
+    [ -z "$found" ] || { echo "$1 has writable globals:" $found; return 1; }
 }
 
 # ---- The sources --------------------------------------------------------------------------------------
 
 sources() {
-    find include lib tests examples bindings cl Makefile -type f \( -name '*.[ch]' -o -name '*.sh' -o -name '*.cl' \
+    find include lib tests examples bindings cl Makefile -type f \( -name '*.[ch]' -o -name '*.[ch]pp' -o -name '*.sh' -o -name '*.cl' \
         -o -name '*.txt' -o -name '*.map' -o -name Makefile \) 2>/dev/null | grep -v '/out/'
 }
 
@@ -208,8 +222,9 @@ library_is_built() {
     [ -f "$static" ] && [ -f "$shared" ] || { echo "no $shared: make lib"; return 1; }
 }
 
-if [ "${1-}" = --abi ]; then # what tests/abi.txt should say
-    abi_now
+if [ "${1-}" = --abi ]; then # writes what the ABI is now
+    abi_now htree.h "$shared" >tests/abi.txt
+    has_opencl && abi_now htree_cl.h "$shared_cl" >tests/abi_cl.txt
     exit
 fi
 
@@ -217,11 +232,18 @@ rule layers layers_are_kept
 check_headers
 rule library-is-built library_is_built
 if [ -f "$static" ] && [ -f "$shared" ]; then
-    rule only-htree-is-exported only_htree_is_exported
-    rule abi-is-as-committed abi_is_as_committed
-    rule nothing-exits-or-prints nothing_exits_or_prints
-    rule needs-libc-only needs_libc_only
-    rule no-writable-globals no_writable_globals
+    rule only-htree-is-exported only_ours_is_exported "$shared" htree_
+    rule abi-is-as-committed abi_is_as_committed htree.h "$shared" tests/abi.txt
+    rule nothing-exits-or-prints nothing_exits_or_prints "$shared"
+    rule needs-libc-only needs_libc_only "$shared" none
+    rule no-writable-globals no_writable_globals "$static"
+fi
+if has_opencl; then
+    rule only-htree-cl-is-exported only_ours_is_exported "$shared_cl" htree_cl_
+    rule abi-of-cl-is-as-committed abi_is_as_committed htree_cl.h "$shared_cl" tests/abi_cl.txt
+    rule nothing-of-cl-exits-or-prints nothing_exits_or_prints "$shared_cl"
+    rule cl-needs-htree-and-libc-only needs_libc_only "$shared_cl" 'libhtree|libdl'
+    rule no-writable-globals-of-cl no_writable_globals "$static_cl"
 fi
 rule readme-shows-minimal.c readme_shows_minimal_c
 rule sources-are-ascii sources_are_ascii
