@@ -11,6 +11,14 @@ static void add_child(ht_node_view *view, const ht_place *parent, uint32_t slot,
     child->box = *box;
 }
 
+/* The box of a child, as far as the nodes above it let rays through. */
+static htree_box inside(const ht_place *place, const float *lo, const float *hi) {
+    htree_box box;
+    memcpy(box.lo, lo, sizeof box.lo);
+    memcpy(box.hi, hi, sizeof box.hi);
+    return ht_box_intersection(&place->box, &box);
+}
+
 static void view_leaf(ht_node_view *view, const uint32_t *prims, uint32_t count) {
     view->role = HT_LEAF;
     view->prims = prims;
@@ -28,9 +36,8 @@ static bool view_bvh(const htree *tree, const ht_place *place, ht_node_view *vie
     if (node->tag > 2 || node->child >= tree->node_slots - 1) return false;
     view->role = HT_SPLIT;
     for (uint32_t i = 0; i < 2; ++i) {
-        htree_box box;
-        memcpy(box.lo, nodes[node->child + i].lo, sizeof box.lo);
-        memcpy(box.hi, nodes[node->child + i].hi, sizeof box.hi);
+        const ht_bvh_node *child = &nodes[node->child + i];
+        const htree_box box = inside(place, child->lo, child->hi);
         add_child(view, place, node->child + i, &box);
     }
     return true;
@@ -136,11 +143,9 @@ static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *vi
     for (uint32_t i = 0; i < node->count; ++i) {
         const uint32_t child = node->child[i], leaf = child & ~HT_WIDE_LEAF;
         const bool is_leaf = (child & HT_WIDE_LEAF) != 0;
-        htree_box box;
-        for (uint32_t axis = 0; axis < 3; ++axis) {
-            box.lo[axis] = node->lo[axis][i];
-            box.hi[axis] = node->hi[axis][i];
-        }
+        const float lo[3] = {node->lo[0][i], node->lo[1][i], node->lo[2][i]};
+        const float hi[3] = {node->hi[0][i], node->hi[1][i], node->hi[2][i]};
+        const htree_box box = inside(place, lo, hi);
         if (is_leaf ? leaf >= tree->leaf_count : child >= slots) return false;
         add_child(view, place, is_leaf ? slots + leaf : child, &box);
         view->child[i].branches = place->branches + node->count - 1;
@@ -163,8 +168,13 @@ bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) 
     }
 }
 
+/* The root of a BVH has a box as well, which rays must pass. */
 ht_place ht_root_place(const htree *tree) {
-    const ht_place root = {0, 1, 0, tree->bounds};
+    ht_place root = {0, 1, 0, tree->bounds};
+    if (tree->kind == HTREE_BVH_MEDIAN || tree->kind == HTREE_BVH_SAH) {
+        const ht_bvh_node *node = (const ht_bvh_node *)tree->nodes;
+        root.box = inside(&root, node->lo, node->hi);
+    }
     return root;
 }
 
