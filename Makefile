@@ -216,22 +216,30 @@ FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' 2>/dev/null)
 format: ## format all C sources in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
 
-PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev libwebp-dev gnuplot-nox
+PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev libwebp-dev gnuplot-nox \
+    opencl-headers ocl-icd-libopencl1 pocl-opencl-icd
 deps: ## install the Debian packages that are missing
 	$(Q)sh examples/deps.sh $(PACKAGES)
 
-install: $(STATIC) $(SHARED) ## install the library under $(DESTDIR)$(PREFIX)
+install: $(STATIC) $(SHARED) $(CL_STATIC) $(CL_SHARED) ## install the library under $(DESTDIR)$(PREFIX)
 	$(INSTALL) -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib
 	$(INSTALL) -m 644 include/htree.h $(DESTDIR)$(PREFIX)/include/
 	$(INSTALL) -m 644 $(STATIC) $(DESTDIR)$(PREFIX)/lib/
 	$(INSTALL) -m 755 $(SHARED) $(DESTDIR)$(PREFIX)/lib/
 	ln -sf libhtree.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME)
 	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/libhtree.so
+ifeq ($(HAVE_OPENCL),yes)
+	$(INSTALL) -m 644 include/htree_cl.h $(DESTDIR)$(PREFIX)/include/
+	$(INSTALL) -m 644 $(CL_STATIC) $(DESTDIR)$(PREFIX)/lib/
+	$(INSTALL) -m 755 $(CL_SHARED) $(DESTDIR)$(PREFIX)/lib/
+	ln -sf libhtree_cl.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libhtree_cl.so.0
+	ln -sf libhtree_cl.so.0 $(DESTDIR)$(PREFIX)/lib/libhtree_cl.so
+endif
 
 uninstall: ## remove what install put there
-	rm -f $(DESTDIR)$(PREFIX)/include/htree.h $(DESTDIR)$(PREFIX)/lib/libhtree.a \
-	    $(DESTDIR)$(PREFIX)/lib/libhtree.so $(DESTDIR)$(PREFIX)/lib/$(SONAME) \
-	    $(DESTDIR)$(PREFIX)/lib/libhtree.so.$(VERSION)
+	cd $(DESTDIR)$(PREFIX) && rm -f include/htree.h include/htree_cl.h lib/libhtree.a \
+	    lib/libhtree.so lib/$(SONAME) lib/libhtree.so.$(VERSION) lib/libhtree_cl.a \
+	    lib/libhtree_cl.so lib/libhtree_cl.so.0 lib/libhtree_cl.so.$(VERSION)
 
 print-packages:
 	@echo $(PACKAGES)

@@ -40,6 +40,8 @@ for package in $missing; do
     libassimp-dev) without="meshes other than PLY" ;;
     libwebp-dev) without="animated pictures" ;;
     gnuplot-nox) without="make plots" ;;
+    opencl-headers) without="libhtree_cl" ;;
+    ocl-icd-libopencl1 | pocl-opencl-icd) without="OpenCL on the CPU" ;;
     *) required="$required $package" && continue ;;
     esac
     echo "note: there will be no $without (apt-get install $package)" >&2
