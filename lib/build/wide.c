@@ -100,18 +100,58 @@ static uint32_t split_runs(const ht_builder *builder, const run *all, bool scarc
     return count;
 }
 
-static htree_status write_node(wide_build *build, const run *runs, uint32_t count, uint32_t *slot) {
+/* How far out a box lies in the direction of each lane: the corner of a cube that its number is. */
+static void lane_worths(const htree_box *box, const htree_box *all, float worth[HT_LANES]) {
+    float offset[3];
+    for (int k = 0; k < 3; ++k) offset[k] = (box->lo[k] - all->lo[k]) - (all->hi[k] - box->hi[k]);
+    for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+        worth[lane] = (lane & 1 ? offset[0] : -offset[0]) + (lane & 2 ? offset[1] : -offset[1]) +
+                      (lane & 4 ? offset[2] : -offset[2]);
+    }
+}
+
+/* Gives every run a lane, the pairs that suit each other best first. */
+static void assign_lanes(const run *runs, uint32_t count, const htree_box *all,
+                         uint32_t lane[HT_LANES]) {
+    float worth[HT_LANES][HT_LANES];
+    uint32_t free_lanes = (1u << HT_LANES) - 1, free_runs = (1u << count) - 1;
+    for (uint32_t i = 0; i < count; ++i) lane_worths(&runs[i].box, all, worth[i]);
+    while (free_runs) {
+        uint32_t best_run = 0, best_lane = 0;
+        float best = -INFINITY;
+        for (uint32_t i = 0; i < count; ++i) {
+            if (!(free_runs >> i & 1)) continue;
+            for (uint32_t k = 0; k < HT_LANES; ++k) {
+                if (!(free_lanes >> k & 1) || !(worth[i][k] >= best)) continue;
+                best = worth[i][k];
+                best_run = i;
+                best_lane = k;
+            }
+        }
+        lane[best_run] = best_lane;
+        free_runs &= ~(1u << best_run);
+        free_lanes &= ~(1u << best_lane);
+    }
+}
+
+static void write_box(ht_wide_node *node, uint32_t lane, const htree_box *box) {
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        node->lo[axis][lane] = box->lo[axis];
+        node->hi[axis][lane] = box->hi[axis];
+    }
+}
+
+static htree_status write_node(wide_build *build, const run *runs, uint32_t count,
+                               const uint32_t *lane, uint32_t *slot) {
+    const htree_box nothing = ht_box_empty();
     *slot = (uint32_t)build->nodes.count;
     ht_wide_node *node = (ht_wide_node *)ht_array_add(&build->nodes);
     if (!node) return HTREE_ERROR_MEMORY;
-    node->count = count;
     for (uint32_t i = 0; i < HT_LANES; ++i) {
-        const htree_box box = i < count ? runs[i].box : ht_box_empty();
-        for (uint32_t axis = 0; axis < 3; ++axis) {
-            node->lo[axis][i] = box.lo[axis];
-            node->hi[axis][i] = box.hi[axis];
-        }
+        write_box(node, i, &nothing);
+        node->child[i] = HT_WIDE_NONE;
     }
+    for (uint32_t i = 0; i < count; ++i) write_box(node, lane[i], &runs[i].box);
     return HTREE_OK;
 }
 
@@ -122,14 +162,16 @@ static htree_status subtree(wide_build *build, const run *all, uint32_t level, u
     run runs[HT_LANES];
     const bool scarce = level + levels_needed(all->count) >= HT_WIDE_LEVELS;
     const uint32_t count = split_runs(build->builder, all, scarce, runs);
-    HT_TRY(write_node(build, runs, count, slot));
+    uint32_t lane[HT_LANES];
+    assign_lanes(runs, count, &all->box, lane);
+    HT_TRY(write_node(build, runs, count, lane, slot));
     waiting += count - 1;
     if (waiting > build->deepest) build->deepest = waiting;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t child;
         HT_TRY(runs[i].count > HT_LANES ? subtree(build, &runs[i], level + 1, waiting, &child)
                                         : write_leaf(build, &runs[i], &child));
-        ((ht_wide_node *)ht_array_at(&build->nodes, *slot))->child[i] = child;
+        ((ht_wide_node *)ht_array_at(&build->nodes, *slot))->child[lane[i]] = child;
     }
     return HTREE_OK;
 }

@@ -25,7 +25,7 @@ HT_INLINE uint32_t push_children(const ht_wide_node *node, const ht_ray *r, floa
         }
     }
     const uint32_t bottom = top;
-    for (uint32_t i = 0; i < node->count; ++i) {
+    for (uint32_t i = 0; i < HT_LANES; ++i) {
         if (!(entry[i] <= leave[i])) continue;
         uint32_t k = top++;
         for (; k > bottom && stack[k - 1].tnear < entry[i]; --k) stack[k] = stack[k - 1];

@@ -89,19 +89,21 @@ typedef struct ht_ug_grid {
 #define HT_LANES     8u
 #define HT_LANE_BITS 3u
 #define HT_WIDE_LEAF 0x80000000u
+#define HT_WIDE_NONE 0xffffffffu
 
 /* Levels of nodes that the builder stays within, and what may wait on a stack: seven a level. */
 #define HT_WIDE_LEVELS 36u
 #define HT_WIDE_STACK  256u
 
-/* Lane i holds child i: a slot, or HT_WIDE_LEAF | the index of a leaf. The lanes in use come
- * first; the others hold a box that no ray meets: lo > hi. */
+/* A lane holds a child: a slot, or HT_WIDE_LEAF | the index of a leaf; or HT_WIDE_NONE and a box that
+ * no ray meets, lo > hi. Bit k of a lane's number is set for children on the upper side of axis k, as
+ * far as there is room: a ray whose direction is negative along the axes of mask m meets lanes m,
+ * m ^ 1, m ^ 2, ... from near to far, more or less. */
 typedef struct ht_wide_node {
     float lo[3][8];
     float hi[3][8];
     ht_word child[8];
-    ht_word count; /* lanes in use, at least 1 */
-    ht_word unused[7];
+    ht_word unused[8];
 } ht_wide_node;
 
 /* Lane i holds a triangle, its corners v[0..2][axis][i]. A user object and an idle lane hold

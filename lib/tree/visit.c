@@ -138,19 +138,23 @@ static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *vi
         return view_wide_leaf(tree, &tree->leaves[place->slot - slots], view);
     }
     const ht_wide_node *node = (const ht_wide_node *)tree->nodes + place->slot;
-    if (node->count < 1 || node->count > HT_LANES) return false;
     view->role = HT_SPLIT;
-    for (uint32_t i = 0; i < node->count; ++i) {
+    for (uint32_t i = 0; i < HT_LANES; ++i) {
         const uint32_t child = node->child[i], leaf = child & ~HT_WIDE_LEAF;
         const bool is_leaf = (child & HT_WIDE_LEAF) != 0;
         const float lo[3] = {node->lo[0][i], node->lo[1][i], node->lo[2][i]};
         const float hi[3] = {node->hi[0][i], node->hi[1][i], node->hi[2][i]};
         const htree_box box = inside(place, lo, hi);
+        if (child == HT_WIDE_NONE) {
+            if (!(lo[0] > hi[0] && lo[1] > hi[1] && lo[2] > hi[2])) return false;
+            continue;
+        }
         if (is_leaf ? leaf >= tree->leaf_count : child >= slots) return false;
         add_child(view, place, is_leaf ? slots + leaf : child, &box);
-        view->child[i].branches = place->branches + node->count - 1;
     }
-    return true;
+    for (uint32_t i = 0; i < view->child_count; ++i)
+        view->child[i].branches = place->branches + view->child_count - 1;
+    return view->child_count > 0;
 }
 
 bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) {
