@@ -47,7 +47,7 @@ HAVE_CMOCKA := $(call have,cmocka)
 HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VERSION=120 -E - >/dev/null 2>&1 && echo yes)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
-LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c))
+LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c lib/trace/*/*.c))
 PARTS := mesh picture program bart animate table1 visibility
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
 PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS))

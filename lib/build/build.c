@@ -161,6 +161,7 @@ static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
     tree->kind = options->kind;
     tree->threads = options->threads;
     tree->tasks = options->tasks;
+    tree->isa = ht_isa_here();
     tree->bounds = ht_box_empty();
     tree->triangle_count = (uint32_t)mesh->triangle_count;
     if (mesh->objects) {

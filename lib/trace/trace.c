@@ -19,6 +19,16 @@ static const ht_walks *find_walks(htree_kind kind) {
     return NULL;
 }
 
+/* The one place that chooses among instruction sets; NULL: rays go one by one. */
+static const ht_block_walks *find_block_walks(const htree *tree) {
+#ifdef HT_X86
+    if (tree->kind == HTREE_WIDE && tree->isa == HT_AVX512) return &ht_wide_avx512_walks;
+    if (tree->kind == HTREE_WIDE && tree->isa == HT_AVX2) return &ht_wide_avx2_walks;
+#endif
+    (void)tree;
+    return NULL;
+}
+
 bool ht_intersect_object(const htree *tree, uint32_t prim, const htree_ray *ray, htree_hit *hit) {
     memset(hit, 0, sizeof *hit);
     const uint32_t object = prim - tree->triangle_count;
@@ -44,6 +54,7 @@ enum { BLOCK = 512 }; /* rays a task: long against the cost of claiming it, shor
 typedef struct batch {
     const htree *tree;
     ht_walk *walk;
+    ht_block_walk *block_walk; /* if there is one for this tree, on this machine */
     const htree_ray *rays;
     uint64_t count;
     uint32_t block;
@@ -58,6 +69,13 @@ static void trace_block(void *data, uint32_t index) {
     const uint64_t first = (uint64_t)index * b->block;
     const uint64_t end = first + b->block < b->count ? first + b->block : b->count;
     if (!ht_progress_step(&b->progress, 0)) return;
+    if (b->block_walk) {
+        const ht_block block = {b->rays + first, end - first, b->hits ? b->hits + first : NULL,
+                                b->occluded ? b->occluded + first : NULL};
+        b->block_walk(b->tree, &block);
+        ht_progress_step(&b->progress, end - first);
+        return;
+    }
     for (uint64_t i = first; i < end; ++i) {
         htree_counters counters = {0, 0, 0, 0};
         htree_hit hit;
@@ -106,20 +124,16 @@ static htree_status trace_batch(const htree *tree, const htree_ray *rays, uint64
     if (count > UINT64_MAX / sizeof *rays)
         return ht_fail(HTREE_ERROR_ARGUMENT, "count exceeds the address space");
     const ht_walks *walks = find_walks(tree->kind);
-    batch b = {tree,
-               NULL,
-               rays,
-               count,
-               0,
-               hits,
-               occluded,
-               query.counters,
-               {{NULL, NULL}, 0, 0, 0, NULL, 0}};
+    batch b = {tree, NULL, NULL,     rays,           count,
+               0,    hits, occluded, query.counters, {{NULL, NULL}, 0, 0, 0, NULL, 0}};
     if (hits) {
         b.walk = query.counters ? walks->closest_counted : walks->closest;
     } else {
         b.walk = query.counters ? walks->any_counted : walks->any;
     }
+    const ht_block_walks *block = find_block_walks(tree);
+    if (block && !query.counters && tree->prim_count)
+        b.block_walk = hits ? block->closest : block->any;
     return run_batch(&b, &query);
 }
 

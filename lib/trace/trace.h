@@ -17,6 +17,23 @@ typedef struct ht_walks {
     ht_walk *closest, *any, *closest_counted, *any_counted;
 } ht_walks;
 
+/* Rays of a batch that a thread takes at once; the answers go to hits, or else to occluded. */
+typedef struct ht_block {
+    const htree_ray *rays;
+    uint64_t count;
+    htree_hit *hits;
+    uint8_t *occluded;
+} ht_block;
+
+/* Walks that take several rays at once. The tree holds at least one prim. */
+typedef void ht_block_walk(const htree *tree, const ht_block *block);
+
+typedef struct ht_block_walks {
+    ht_block_walk *closest, *any;
+} ht_block_walks;
+
+extern const ht_block_walks ht_wide_avx2_walks, ht_wide_avx512_walks; /* x86/ */
+
 extern const ht_walks ht_ug_walks;   /* ug.c */
 extern const ht_walks ht_kd_walks;   /* kd.c */
 extern const ht_walks ht_bvh_walks;  /* bvh.c */

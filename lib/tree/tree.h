@@ -2,6 +2,7 @@
 #ifndef HT_TREE_H
 #define HT_TREE_H
 
+#include "base/isa.h"
 #include "base/memory.h"
 #include "base/tasks.h"
 #include "base/vec.h"
@@ -16,6 +17,7 @@ struct htree {
     uint32_t threads;
     htree_tasks tasks;
     ht_memory memory;
+    ht_isa isa; /* that queries may use */
 
     htree_box bounds;    /* of all prims that can be hit */
     uint32_t prim_count; /* prims that can be hit; ids run over triangles, then objects */

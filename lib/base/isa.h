@@ -1,0 +1,30 @@
+/* isa.h: which vector instructions this machine has: asked once per tree, so that a library built for
+ * any machine uses what it finds. Hits do not depend on it. */
+#ifndef HT_ISA_H
+#define HT_ISA_H
+
+#include "base.h"
+
+typedef enum ht_isa { HT_PORTABLE, HT_AVX2, HT_AVX512 } ht_isa;
+
+/* x86-64 with a compiler that knows function targets has files in trace/x86/. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(HTREE_PORTABLE)
+#define HT_X86 1
+
+HT_INLINE ht_isa ht_isa_here(void) {
+    __builtin_cpu_init();
+    if (!__builtin_cpu_supports("avx2")) return HT_PORTABLE;
+    const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                      __builtin_cpu_supports("avx512dq");
+    return wide ? HT_AVX512 : HT_AVX2;
+}
+
+#else
+
+HT_INLINE ht_isa ht_isa_here(void) {
+    return HT_PORTABLE;
+}
+
+#endif
+
+#endif
