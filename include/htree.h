@@ -149,8 +149,8 @@ typedef struct htree_tasks {
     void *user;
 } htree_tasks;
 
-/* Progress. report gets 0 <= fraction <= 1, not decreasing within a call, and returns nonzero to
- * cancel the call. It is called on the thread that made the call, and on no other. */
+/* Progress. report gets 0 <= fraction <= 1, 0 at first, not decreasing within a call, and returns
+ * nonzero to cancel the call. It is called on the thread that made the call, and on no other. */
 typedef struct htree_progress {
     int32_t (*report)(void *user, double fraction);
     void *user;

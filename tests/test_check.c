@@ -142,6 +142,34 @@ static void a_view_shows_the_arrays_of_the_tree(void **state) {
     }
 }
 
+/* The bytes of a tree follow from its input, not from who built it. */
+static void threads_build_the_same_bytes(void **state) {
+    static const uint32_t threads[] = {2, 3, 8, 0};
+    static const char *const names[] = {"knot", "city", "same"};
+    (void)state;
+    for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
+        for (uint32_t n = 0; n < COUNT_OF(names); ++n) {
+            shape s = shape_of(names[n], scaled(30000) + 6000, 5);
+            const htree_mesh mesh = mesh_of(&s);
+            htree *const one = tree_of_kind(&mesh, kind);
+            const htree_view should = view_of(one);
+            for (uint32_t i = 0; i < COUNT_OF(threads); ++i) {
+                htree_options options = options_of(kind);
+                options.threads = threads[i];
+                htree *const many = tree_of(&mesh, &options);
+                const htree_view is = view_of(many);
+                assert_int_equal(is.node_bytes, should.node_bytes);
+                assert_int_equal(is.leaf_bytes, should.leaf_bytes);
+                assert_memory_equal(is.nodes, should.nodes, (size_t)is.node_bytes);
+                if (is.leaves) assert_memory_equal(is.leaves, should.leaves, (size_t)is.leaf_bytes);
+                htree_free(many);
+            }
+            htree_free(one);
+            shape_free(&s);
+        }
+    }
+}
+
 static void a_view_of_nothing_is_empty(void **state) {
     htree_mesh mesh;
     (void)state;
@@ -192,6 +220,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_check_passes_answers_right),
         cmocka_unit_test(a_view_shows_the_arrays_of_the_tree),
+        cmocka_unit_test(threads_build_the_same_bytes),
         cmocka_unit_test(a_view_of_nothing_is_empty),
         cmocka_unit_test(wide_leaves_are_full),
         cmocka_unit_test(views_refuse_bad_arguments),

@@ -80,6 +80,14 @@ static bool grow(ht_array *array) {
     return true;
 }
 
+htree_status ht_array_reserve(ht_array *array, uint64_t capacity) {
+    assert(array->capacity == 0);
+    array->items = (char *)ht_allocate(array->memory, capacity * array->item_bytes);
+    if (!array->items) return HTREE_ERROR_MEMORY;
+    array->capacity = capacity;
+    return HTREE_OK;
+}
+
 void *ht_array_add(ht_array *array) {
     if (array->count == array->capacity && !grow(array)) return NULL;
     void *item = ht_array_at(array, array->count++);

@@ -45,6 +45,9 @@ typedef struct ht_array {
 void ht_array_begin(ht_array *array, ht_memory *memory, uint64_t item_bytes);
 void ht_array_end(ht_array *array);
 
+/* Room for so many items, if there are none yet. */
+htree_status ht_array_reserve(ht_array *array, uint64_t capacity);
+
 /* A new item, zeroed; NULL after recording the failure's text. Earlier items may move. */
 void *ht_array_add(ht_array *array);
 

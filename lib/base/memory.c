@@ -17,15 +17,18 @@ void *ht_allocate(ht_memory *memory, uint64_t bytes) {
         ht_fail(HTREE_ERROR_MEMORY, "out of memory: %llu bytes refused", (unsigned long long)bytes);
         return NULL;
     }
-    memory->held += bytes;
-    if (memory->held > memory->peak) memory->peak = memory->held;
+    const uint64_t held = __atomic_add_fetch(&memory->held, bytes, __ATOMIC_RELAXED);
+    uint64_t peak = __atomic_load_n(&memory->peak, __ATOMIC_RELAXED);
+    while (held > peak && !__atomic_compare_exchange_n(&memory->peak, &peak, held, true,
+                                                       __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    }
     return block;
 }
 
 void ht_release(ht_memory *memory, void *block, uint64_t bytes) {
     if (!block) return;
     if (bytes == 0) bytes = HT_ALIGNMENT;
-    memory->held -= bytes;
+    __atomic_sub_fetch(&memory->held, bytes, __ATOMIC_RELAXED);
     if (memory->hook.release) {
         memory->hook.release(memory->hook.user, block, bytes);
     } else {

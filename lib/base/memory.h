@@ -8,7 +8,7 @@
 
 typedef struct ht_memory {
     htree_allocator hook; /* zeroed: the C library */
-    uint64_t held, peak;
+    uint64_t held, peak;  /* threads of a build change them at once */
 } ht_memory;
 
 /* Returns `bytes` bytes at a multiple of HT_ALIGNMENT, or NULL after recording the failure's text.

@@ -81,7 +81,8 @@ void ht_progress_begin(ht_progress *progress, const htree_progress *hook, uint64
     progress->total = total;
     progress->thread = this_thread();
     progress->reported = 0;
-    progress->cancelled = 0;
+    /* Once for sure: other threads may do all of the work before this one gets to any. */
+    progress->cancelled = hook->report && hook->report(hook->user, 0) ? 1 : 0;
 }
 
 bool ht_progress_step(ht_progress *progress, uint64_t amount) {

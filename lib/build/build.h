@@ -8,13 +8,29 @@
  * division. */
 typedef struct ht_prim {
     float lo[4]; /* the last lane holds the bits of the id: four lanes are one instruction */
-    float hi[4]; /* the last lane is idle */
+    float hi[4]; /* the last lane is idle, or a cell's count */
 } ht_prim;
 
 HT_INLINE uint32_t ht_prim_id(const ht_prim *prim) {
     uint32_t id;
     memcpy(&id, &prim->lo[3], sizeof id);
     return id;
+}
+
+/* A cell of prims is a prim to those who split: its box, where its prims begin, and how many. */
+HT_INLINE void ht_cell_set_range(ht_prim *cell, uint32_t first, uint32_t prims) {
+    memcpy(&cell->lo[3], &first, sizeof first);
+    memcpy(&cell->hi[3], &prims, sizeof prims);
+}
+
+HT_INLINE uint32_t ht_cell_first(const ht_prim *cell) {
+    return ht_prim_id(cell);
+}
+
+HT_INLINE uint32_t ht_cell_prims(const ht_prim *cell) {
+    uint32_t prims;
+    memcpy(&prims, &cell->hi[3], sizeof prims);
+    return prims;
 }
 
 typedef struct ht_builder {

@@ -31,7 +31,8 @@ static htree_status subtree(bvh_build *build, uint32_t slot, uint32_t below, uin
     if (build->median) {
         ht_split_find_median(prims, count, box, HT_MAX_DEPTH - level, &split);
     } else {
-        ht_split_find(build->builder->options, prims, count, HT_MAX_DEPTH - level, 0, &split);
+        const ht_split_rule rule = {HT_MAX_DEPTH - level, 0, false};
+        ht_split_find(build->builder->options, prims, count, &rule, &split);
     }
     ht_split_apply(&split, prims, build->builder->spare, count);
     node->child = below;

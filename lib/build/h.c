@@ -73,7 +73,8 @@ htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, u
     ht_split split;
     uint32_t bound, slot;
     htree_box box = *traversal;
-    ht_split_find(options, prims, count, HT_MAX_DEPTH - level, 0, &split);
+    const ht_split_rule rule = {HT_MAX_DEPTH - level, 0, false};
+    ht_split_find(options, prims, count, &rule, &split);
     ht_split_apply(&split, prims, spare, count);
     const uint32_t axis = split.axis, left = split.left_count;
     if (writer->bounding) {

@@ -10,8 +10,9 @@ enum { FEW_PRIMS = 8 }; /* so few are sorted: cheaper than buckets, and exact */
 
 typedef struct bucket {
     float lo[4], hi[4]; /* lanes as in ht_prim; the last means nothing */
-    uint32_t count;
-    uint32_t unused[3];
+    uint32_t count;     /* prims or cells */
+    uint32_t prims;     /* what the cells hold, or count */
+    uint32_t unused[2];
 } bucket;
 
 static void bucket_clear(bucket *b) {
@@ -19,7 +20,7 @@ static void bucket_clear(bucket *b) {
         b->lo[i] = INFINITY;
         b->hi[i] = -INFINITY;
     }
-    b->count = 0;
+    b->count = b->prims = 0;
 }
 
 static htree_box bucket_box(const bucket *b) {
@@ -52,8 +53,8 @@ static bool split_scale(ht_split *split, uint32_t axis, const htree_box *centroi
     return extent > 0 && split->scale <= 1e37f;
 }
 
-static void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_t count,
-                         bucket *buckets) {
+HT_INLINE void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_t count,
+                            bucket *buckets, const bool cells) {
     for (uint32_t b = 0; b < split->buckets; ++b) bucket_clear(&buckets[b]);
     for (uint32_t i = 0; i < count; ++i) {
         const ht_prim *prim = &prims[i];
@@ -61,13 +62,26 @@ static void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_t c
         for (int k = 0; k < 4; ++k) b->lo[k] = ht_min(b->lo[k], prim->lo[k]);
         for (int k = 0; k < 4; ++k) b->hi[k] = ht_max(b->hi[k], prim->hi[k]);
         ++b->count;
+        if (cells) b->prims += ht_cell_prims(prim);
     }
+    for (uint32_t b = 0; b < split->buckets && !cells; ++b) buckets[b].prims = buckets[b].count;
+}
+
+static HT_NOINLINE void fill_with_prims(const ht_split *split, const ht_prim *prims, uint32_t count,
+                                        bucket *buckets) {
+    fill_buckets(split, prims, count, buckets, false);
+}
+
+static HT_NOINLINE void fill_with_cells(const ht_split *split, const ht_prim *cells, uint32_t count,
+                                        bucket *buckets) {
+    fill_buckets(split, cells, count, buckets, true);
 }
 
 static void bucket_merge(bucket *b, const bucket *other) {
     for (int k = 0; k < 4; ++k) b->lo[k] = ht_min(b->lo[k], other->lo[k]);
     for (int k = 0; k < 4; ++k) b->hi[k] = ht_max(b->hi[k], other->hi[k]);
     b->count += other->count;
+    b->prims += other->prims;
 }
 
 static htree_box merged_box(const bucket *buckets, uint32_t count) {
@@ -95,17 +109,18 @@ static double sweep(const bucket *buckets, uint32_t block_bits, ht_split *split)
     bucket_clear(&side);
     for (uint32_t b = split->buckets - 1; b > 0; --b) {
         bucket_merge(&side, &buckets[b]);
-        right_cost[b] = blocks(side.count, block_bits) * bucket_area(&side);
+        right_cost[b] = blocks(side.prims, block_bits) * bucket_area(&side);
     }
     bucket_clear(&side);
     double cheapest = INFINITY;
     for (uint32_t plane = 1; plane < split->buckets; ++plane) {
         bucket_merge(&side, &buckets[plane - 1]);
-        const double cost = blocks(side.count, block_bits) * bucket_area(&side) + right_cost[plane];
+        const double cost = blocks(side.prims, block_bits) * bucket_area(&side) + right_cost[plane];
         if (cost < cheapest) {
             cheapest = cost;
             split->plane = plane;
             split->left_count = side.count;
+            split->left_prims = side.prims;
         }
     }
     if (cheapest == INFINITY) return cheapest;
@@ -114,11 +129,18 @@ static double sweep(const bucket *buckets, uint32_t block_bits, ht_split *split)
     return cheapest;
 }
 
-static void split_in_the_middle(const ht_prim *prims, uint32_t count, uint32_t axis,
+static uint32_t prims_of(const ht_prim *items, uint32_t count, bool cells) {
+    uint32_t prims = cells ? 0 : count;
+    for (uint32_t i = 0; i < count && cells; ++i) prims += ht_cell_prims(&items[i]);
+    return prims;
+}
+
+static void split_in_the_middle(const ht_prim *prims, uint32_t count, uint32_t axis, bool cells,
                                 ht_split *split) {
     split->axis = axis;
     split->plane = 0;
     split->left_count = count / 2;
+    split->left_prims = prims_of(prims, split->left_count, cells);
     split->left = ht_prims_box(prims, split->left_count);
     split->right = ht_prims_box(prims + split->left_count, count - split->left_count);
 }
@@ -141,18 +163,19 @@ static void sort_by_centroid(ht_prim *prims, uint32_t count, uint32_t axis) {
 }
 
 /* Half of all splits are of two prims, and there is nothing to choose. */
-static void split_two(ht_prim *prims, uint32_t axis, ht_split *split) {
+static void split_two(ht_prim *prims, uint32_t axis, bool cells, ht_split *split) {
     sort_by_centroid(prims, 2, axis);
     split->axis = axis;
     split->plane = 0;
     split->left_count = 1;
+    split->left_prims = prims_of(prims, 1, cells);
     split->left = ht_prims_box(prims, 1);
     split->right = ht_prims_box(prims + 1, 1);
 }
 
 /* A bucket for every prim, in order of the centroids. */
 static void split_exactly(ht_prim *prims, uint32_t count, uint32_t widest, uint32_t axes,
-                          ht_split *split) {
+                          const ht_split_rule *rule, ht_split *split) {
     bucket buckets[FEW_PRIMS];
     double cheapest = INFINITY;
     for (uint32_t i = 0; i < axes; ++i) {
@@ -164,8 +187,9 @@ static void split_exactly(ht_prim *prims, uint32_t count, uint32_t widest, uint3
             memcpy(buckets[k].lo, prims[k].lo, sizeof buckets[k].lo);
             memcpy(buckets[k].hi, prims[k].hi, sizeof buckets[k].hi);
             buckets[k].count = 1;
+            buckets[k].prims = prims_of(&prims[k], 1, rule->cells);
         }
-        const double cost = sweep(buckets, 0, &candidate);
+        const double cost = sweep(buckets, rule->block_bits, &candidate);
         if (cost < cheapest) {
             cheapest = cost;
             *split = candidate;
@@ -180,18 +204,18 @@ static bool levels_are_scarce(uint32_t count, uint32_t levels) {
 }
 
 HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count,
-                               uint32_t levels, uint32_t block_bits, ht_split *split) {
-    assert(count >= 2 && levels >= 1);
+                               const ht_split_rule *rule, ht_split *split) {
+    assert(count >= 2 && rule->levels >= 1);
     bucket buckets[MAX_BUCKETS];
     const htree_box centroids = ht_centroid_bounds(prims, count);
     const uint32_t widest = (uint32_t)ht_widest_axis(&centroids);
-    const uint32_t axes = levels_are_scarce(count, levels) ? 0 : options->axes;
+    const uint32_t axes = levels_are_scarce(count, rule->levels) ? 0 : options->axes;
     if (count == 2) {
-        split_two(prims, widest, split);
+        split_two(prims, widest, rule->cells, split);
         return;
     }
     if (axes > 0 && count <= FEW_PRIMS) {
-        split_exactly(prims, count, widest, axes, split);
+        split_exactly(prims, count, widest, axes, rule, split);
         return;
     }
     double cheapest = INFINITY;
@@ -199,14 +223,17 @@ HT_NOINLINE void ht_split_find(const htree_options *options, ht_prim *prims, uin
         ht_split candidate = {0};
         candidate.buckets = bucket_count(options, count);
         if (!split_scale(&candidate, (widest + i) % 3, &centroids)) continue;
-        fill_buckets(&candidate, prims, count, buckets);
-        const double cost = sweep(buckets, block_bits, &candidate);
+        if (rule->cells)
+            fill_with_cells(&candidate, prims, count, buckets);
+        else
+            fill_with_prims(&candidate, prims, count, buckets);
+        const double cost = sweep(buckets, rule->block_bits, &candidate);
         if (cost < cheapest) {
             cheapest = cost;
             *split = candidate;
         }
     }
-    if (cheapest == INFINITY) split_in_the_middle(prims, count, widest, split);
+    if (cheapest == INFINITY) split_in_the_middle(prims, count, widest, rule->cells, split);
 }
 
 /* A spatial median is a split with two buckets, whatever it costs. */
@@ -219,7 +246,7 @@ static bool try_middle(const ht_prim *prims, uint32_t count, uint32_t axis, floa
     split->origin = lo;
     split->scale = 2 / (hi - lo);
     if (!(hi > lo && split->scale <= 1e37f)) return false;
-    fill_buckets(split, prims, count, buckets);
+    fill_with_prims(split, prims, count, buckets);
     split->left_count = buckets[0].count;
     split->left = bucket_box(&buckets[0]);
     split->right = bucket_box(&buckets[1]);
@@ -235,7 +262,7 @@ HT_NOINLINE void ht_split_find_median(const ht_prim *prims, uint32_t count, cons
         axis = (uint32_t)ht_widest_axis(&centroids);
         if (try_middle(prims, count, axis, centroids.lo[axis], centroids.hi[axis], split)) return;
     }
-    split_in_the_middle(prims, count, axis, split);
+    split_in_the_middle(prims, count, axis, false, split);
 }
 
 /* Branch-free: where a prim goes is as good as random, and a mispredicted branch costs more than

@@ -10,17 +10,23 @@
 typedef struct ht_split {
     uint32_t axis;
     uint32_t plane;
-    float origin, scale; /* bucket(c) = (c - origin) * scale */
-    uint32_t buckets;    /* M */
-    uint32_t left_count;
-    htree_box left, right; /* tight boxes A_L and A_R of both sides */
+    float origin, scale;             /* bucket(c) = (c - origin) * scale */
+    uint32_t buckets;                /* M */
+    uint32_t left_count, left_prims; /* the same, but for cells */
+    htree_box left, right;           /* tight boxes A_L and A_R of both sides */
 } ht_split;
 
-/* Finds the cheapest split of count >= 2 prims by eq. 1. `levels` is how many levels of branching
- * may still follow: when they get scarce the split is in the middle, which keeps any tree within
- * HT_MAX_DEPTH. 2^block_bits prims are tested at once and cost as one. May reorder the prims. */
-void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count, uint32_t levels,
-                   uint32_t block_bits, ht_split *split);
+/* How to split. */
+typedef struct ht_split_rule {
+    uint32_t levels;     /* of branching that may still follow: where they get scarce the split is
+                            in the middle, which keeps any tree within its depth */
+    uint32_t block_bits; /* 2^block_bits prims are tested at once and cost as one */
+    bool cells;          /* cells of prims, of which eq. 1 counts the prims */
+} ht_split_rule;
+
+/* Finds the cheapest split of count >= 2 prims by eq. 1. May reorder the prims. */
+void ht_split_find(const htree_options *options, ht_prim *prims, uint32_t count,
+                   const ht_split_rule *rule, ht_split *split);
 
 /* The spatial median: the middle of `box` along its widest axis, or of the centroids where that
  * separates nothing. */
