@@ -45,12 +45,14 @@ HAVE_ASSIMP := $(call have,assimp)
 HAVE_WEBP := $(call have,libwebpmux)
 HAVE_CMOCKA := $(call have,cmocka)
 HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VERSION=120 -E - >/dev/null 2>&1 && echo yes)
+HAVE_EMBREE := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c lib/trace/*/*.c))
 PARTS := mesh picture program bart animate table1 visibility
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
-PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS))
+BENCH_SRC := $(sort $(wildcard examples/bench/*.c))
+PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS) bench)
 TEST_CL_SRC := $(if $(HAVE_OPENCL),$(sort $(wildcard tests/test_cl*.c)))
 TEST_CL_COMMON_SRC := tests/common/cl_suite.c
 TEST_COMMON_SRC := $(filter-out $(TEST_CL_COMMON_SRC),$(sort $(wildcard tests/common/*.c)))
@@ -69,10 +71,13 @@ CL_STATIC := $(B)/libhtree_cl.a
 CL_SHARED := $(B)/libhtree_cl.so.$(VERSION)
 endif
 PROGRAMS := $(B)/minimal
+ifeq ($(HAVE_OPENCL),yes)
+PROGRAMS += $(B)/opencl
+endif
 ifeq ($(HAVE_PNG),yes)
 PROGRAMS += $(B)/htree-render
 PROGRAMS += $(B)/htree-table1 $(B)/htree-visibility
-PROGRAMS += $(B)/htree-animate
+PROGRAMS += $(B)/htree-animate $(B)/htree-bench
 endif
 CL_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_CL_SRC))
 TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC)) $(CL_TESTS)
@@ -120,12 +125,16 @@ ASSIMP_CFLAGS := $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP $(shell $(PKG_CONFIG) --cflag
 ASSIMP_LIBS := $(if $(HAVE_ASSIMP),$(shell $(PKG_CONFIG) --libs assimp))
 WEBP_CFLAGS := $(if $(HAVE_WEBP),-DHAVE_WEBP $(shell $(PKG_CONFIG) --cflags libwebpmux libwebp))
 WEBP_LIBS := $(if $(HAVE_WEBP),$(shell $(PKG_CONFIG) --libs libwebpmux libwebp))
+OPENCL_CFLAGS := $(if $(HAVE_OPENCL),-DHAVE_OPENCL)
+OPENCL_LIBS := $(if $(HAVE_OPENCL),-ldl)
+EMBREE_CFLAGS := $(if $(HAVE_EMBREE),-DHAVE_EMBREE)
+EMBREE_LIBS := $(if $(HAVE_EMBREE),-lembree3)
 
 $(B)/examples/%.o: examples/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) $(PART_CPP) $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
-	    $(WEBP_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	    $(WEBP_CFLAGS) $(OPENCL_CFLAGS) $(EMBREE_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # White-box tests may see the internal headers, so tests link the static library.
 $(B)/tests/%.o: tests/%.c Makefile
@@ -159,9 +168,18 @@ $(B)/minimal: $(B)/examples/minimal.o $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lm -lpthread
 
-$(B)/htree-%: $(B)/examples/%.o $(call obj,$(PART_SRC)) $(STATIC)
+$(B)/opencl: $(B)/examples/opencl.o $(CL_STATIC) $(STATIC)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LINK) -o $@ $^ $(PNG_LIBS) $(ASSIMP_LIBS) $(WEBP_LIBS) -lm -lpthread
+	$(Q)$(CC) $(LINK) -o $@ $^ -lm -lpthread $(OPENCL_LIBS)
+
+$(B)/htree-%: $(B)/examples/%.o $(call obj,$(PART_SRC)) $(CL_STATIC) $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(MORE_LIBS) \
+	    $(PNG_LIBS) $(ASSIMP_LIBS) $(WEBP_LIBS) -lm -lpthread $(OPENCL_LIBS)
+
+# The other programs must not need what the benchmark compares with.
+$(B)/htree-bench: $(call obj,$(BENCH_SRC))
+$(B)/htree-bench: MORE_LIBS := $(EMBREE_LIBS)
 
 # Of the examples, tests link what needs nothing but libc and libm.
 TEST_EXAMPLE_SRC := $(sort $(wildcard examples/bart/*.c)) examples/picture/camera.c \
@@ -184,6 +202,12 @@ run: all ## render the gallery (or MESH=path) and its heat maps into build/$(con
 
 bench: all ## time every kind on the built-in scenes (or MESH=path)
 	$(Q)sh tests/bench/bench.sh $(B)/htree-render $(OUT) $(MESH)
+
+bench-device: all ## time kinds on the CPU, on an OpenCL device (DEVICE=name) and in Embree (MESH=path)
+	@mkdir -p $(OUT)
+	$(Q)$(B)/htree-bench --device "$(or $(DEVICE),default)" $(if $(HAVE_EMBREE),--peer embree) \
+	    --json $(OUT)/bench-device.json $(MESH) >$(OUT)/bench-device.txt
+	@cat $(OUT)/bench-device.txt
 
 table1: all ## the paper's Table 1 with its figures beside ours, over the meshes in HTREE_SCENES
 	@mkdir -p $(OUT)
@@ -249,8 +273,8 @@ clean: ## remove build/
 
 help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
-	@sed -n 's/^\([a-z0-9]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 14
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
 
-.PHONY: print-packages all lib run bench table1 plots tests test check layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench bench-device table1 plots tests test check layers format deps install uninstall clean help
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

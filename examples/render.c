@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "args.h"
 #include "build_tree.h"
+#include "device.h"
 #include "heat.h"
 #include "mesh_file.h"
 #include "picture.h"
@@ -11,6 +12,7 @@
 #include "progress.h"
 #include "report.h"
 #include "shade.h"
+#include "tracer.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,6 +26,9 @@ typedef struct render {
     char error[512];
     shape mesh;
     htree *tree;
+    struct htree_cl *device; /* NULL: the CPU answers the rays */
+    char device_text[320];
+    tracer by;
     camera view;
     primary rays;
     picture image;
@@ -37,9 +42,20 @@ static bool fail(render *r, const char *cause) {
 
 /* A memory error may be the renderer's own, which the library has no text for. */
 static bool fail_status(render *r, htree_status status) {
-    const char *text = htree_error_text();
+    const char *text = tracer_error_text(&r->by);
     const bool own = status == HTREE_ERROR_MEMORY || !*text;
     return fail(r, own ? "out of memory: try a smaller --size or mesh" : text);
+}
+
+/* Before anything that takes long: the name may be wrong. */
+static bool open_device(render *r) {
+    const render_args *args = &r->args;
+    if (!args->device) return true;
+    r->device = device_open(args->device, r->error, sizeof r->error);
+    if (!r->device) return false;
+    device_describe(r->device, r->device_text, sizeof r->device_text);
+    r->figures.device = r->device_text;
+    return true;
 }
 
 static const char *scene_name(const render *r) {
@@ -58,16 +74,18 @@ static bool load(render *r) {
 }
 
 static bool build(render *r) {
-    const htree_status status =
-        build_tree(&r->tree, &r->mesh, r->args.kind, r->args.threads, r->args.quiet);
+    const render_args *args = &r->args;
+    htree_status status = build_tree(&r->tree, &r->mesh, args->kind, args->threads, args->quiet);
+    r->by = tracer_cpu(r->tree, args->threads);
+    if (status == HTREE_OK && r->device)
+        status = tracer_upload(&r->by, r->device, r->tree, args->threads);
     return status == HTREE_OK || fail_status(r, status);
 }
 
 static bool measure(render *r) {
     const render_args *args = &r->args;
     r->view = camera_place(&args->camera, &r->mesh, args->width, args->height);
-    htree_status status =
-        primary_trace(&r->rays, r->tree, &r->view, args->width, args->height, args->threads);
+    htree_status status = primary_trace(&r->rays, &r->by, &r->view, args->width, args->height);
     r->figures.scene = scene_name(r);
     r->figures.threads = args->threads;
     r->figures.rays = &r->rays;
@@ -115,7 +133,7 @@ static bool paint(render *r) {
     if (args->mode == MODE_DEPTH || args->mode == MODE_STEPS || args->mode == MODE_TESTS)
         return paint_heat(r);
     progress bar = progress_start("render", args->quiet);
-    const shade_scene scene = {r->tree, &r->mesh, &r->view, args};
+    const shade_scene scene = {&r->by, &r->mesh, &r->view, args};
     const htree_status status = shade_picture(&r->image, &scene, &bar);
     progress_end(&bar);
     return status == HTREE_OK || fail_status(r, status);
@@ -132,6 +150,8 @@ static bool write_files(render *r) {
 static void summarise(const render *r) {
     const htree_stats *stats = &r->figures.stats;
     if (r->args.quiet) return;
+    if (r->device && !device_exact(r->device))
+        printf("note: this device does not give the CPU's bits: pictures may differ by a little\n");
     if (r->args.stats) {
         report_print(&r->figures);
         return;
@@ -142,18 +162,29 @@ static void summarise(const render *r) {
            r->rays.seconds);
 }
 
+static int list_devices(void) {
+    char error[512];
+    if (device_list(stdout, error, sizeof error)) return EXIT_SUCCESS;
+    fprintf(stderr, "htree-render: %s\n", error);
+    return EXIT_INPUT;
+}
+
 int main(int argc, char **argv) {
     render r;
     memset(&r, 0, sizeof r);
     const args_result parsed = args_parse(&r.args, argc, argv);
     if (parsed != ARGS_RUN) return parsed == ARGS_DONE ? EXIT_SUCCESS : EXIT_USAGE;
-    const bool ok = load(&r) && build(&r) && measure(&r) && paint(&r) && write_files(&r);
+    if (r.args.list_devices) return list_devices();
+    const bool ok =
+        open_device(&r) && load(&r) && build(&r) && measure(&r) && paint(&r) && write_files(&r);
     if (ok)
         summarise(&r);
     else
         fprintf(stderr, "htree-render: %s\n", r.error);
     picture_free(&r.image);
     primary_free(&r.rays);
+    tracer_end(&r.by);
+    device_close(r.device);
     htree_free(r.tree);
     shape_free(&r.mesh);
     return ok ? EXIT_SUCCESS : EXIT_INPUT;

@@ -69,7 +69,7 @@ typedef struct htree_cl_info {
     uint32_t exact;         /* gives the CPU's bits; 0 before the device is opened */
     float t_error;          /* largest relative error of t in the batch of known answers */
     uint32_t reserved;
-    double compile_seconds; /* spent in the device's compiler so far */
+    double compile_seconds; /* spent in compiling and proving kernels */
 } htree_cl_info;
 
 /* The number of devices of all platforms. Errors: ARGUMENT, NO_DEVICE if there is no OpenCL. */

@@ -198,8 +198,8 @@ camera camera_place(const camera_wish *wish, const shape *mesh, uint32_t width, 
     return c;
 }
 
-void camera_look(camera *out, const double *eye, const double *forward, const double *up, double fov,
-                 double aspect) {
+void camera_look(camera *out, const double *eye, const double *forward, const double *up,
+                 double fov, double aspect) {
     memcpy(out->eye, eye, sizeof out->eye);
     memcpy(out->forward, forward, sizeof out->forward);
     make_basis(out, 1);

@@ -29,8 +29,8 @@ camera camera_place(const camera_wish *wish, const shape *mesh, uint32_t width, 
 
 /* Looks from `eye` along `forward`, upright by `up`; vectors of any length. `fov` is the angle in
  * degrees between the lower and the upper edge, `aspect` is width / height. */
-void camera_look(camera *out, const double *eye, const double *forward, const double *up, double fov,
-                 double aspect);
+void camera_look(camera *out, const double *eye, const double *forward, const double *up,
+                 double fov, double aspect);
 
 /* The ray through (x, y) in pixels from the top left corner. t is distance along `forward`. */
 htree_ray camera_ray(const camera *c, double x, double y, uint32_t width, uint32_t height);

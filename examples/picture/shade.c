@@ -5,6 +5,7 @@
 #include "shade.h"
 
 #include "numbers.h"
+#include "surface.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,24 +14,22 @@
 enum { BAND_PIXELS = 1 << 15 };
 
 /* What a primary ray has hit. */
-typedef struct surface {
-    double point[3], normal[3]; /* the normal faces the viewer */
+typedef struct seen {
+    surface at;
     double to_lamp[3];
     uint32_t pixel; /* of the band */
-    uint32_t prim;
-} surface;
+} seen;
 
 typedef struct painter {
     const shade_scene *scene;
-    double lamp[3], offset, reach; /* reach: how far away things occlude the sky */
-    uint32_t ambient;              /* rays per sample */
-    htree_query query;
+    double lamp[3], lift, reach; /* reach: how far away things occlude the sky */
+    uint32_t ambient;            /* rays per sample */
 
     /* Arrays for one band. */
     htree_ray *rays;
     htree_hit *hits;
     uint8_t *blocked;
-    surface *surfaces;
+    seen *surfaces;
     float (*sum)[3]; /* linear light of each pixel over the samples so far */
 } painter;
 
@@ -41,12 +40,6 @@ static double dot(const double *a, const double *b) {
 static void normalise(double *v) {
     const double length = sqrt(dot(v, v));
     for (int i = 0; i < 3; ++i) v[i] = length > 0 ? v[i] / length : 0;
-}
-
-static void cross(const double *a, const double *b, double *out) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* ---- Light ---------------------------------------------------------------------------------- */
@@ -61,7 +54,7 @@ static double probe_ceiling(const painter *p, double *direction) {
         direction[i] = view->forward[i] + 0.8 * view->up[i] - 0.3 * view->right[i];
         ray.dir[i] = (float)direction[i];
     }
-    if (htree_intersect(p->scene->tree, &ray, 1, &hit, &p->query) != HTREE_OK) return INFINITY;
+    if (tracer_intersect(p->scene->by, &ray, 1, &hit) != HTREE_OK) return INFINITY;
     return (double)hit.t;
 }
 
@@ -86,7 +79,7 @@ static void place_lamp(painter *p, const htree_box *box) {
             inside ? view->eye[i] + 0.7 * ceiling * up_ahead[i] : middle + 20 * size * toward;
     }
     p->reach = size * (inside ? 0.08 : 0.3);
-    p->offset = size * 2e-6;
+    p->lift = surface_lift(size);
 }
 
 /* Warm clay under a warm lamp, a cool sky above and a warm floor below. */
@@ -107,59 +100,11 @@ static void add_background(float *sum, double height) {
 
 /* ---- Stages --------------------------------------------------------------------------------- */
 
-static void find_surface(const painter *p, const htree_hit *hit, const htree_ray *ray,
-                         surface *out) {
-    const shape *mesh = p->scene->mesh;
-    double corner[3][3], a[3], b[3], along = 0, largest = 0;
-    for (int k = 0; k < 3; ++k) {
-        const float *v =
-            mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)hit->prim + (size_t)k];
-        for (int i = 0; i < 3; ++i) corner[k][i] = (double)v[i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        a[i] = corner[1][i] - corner[0][i];
-        b[i] = corner[2][i] - corner[0][i];
-        out->point[i] = corner[0][i] + (double)hit->u * a[i] + (double)hit->v * b[i];
-        largest = fmax(largest, fabs(out->point[i]));
-    }
-    cross(a, b, out->normal);
-    normalise(out->normal);
-    for (int i = 0; i < 3; ++i) along += out->normal[i] * (double)ray->dir[i];
-    /* Secondary rays start a little above the surface: beyond the rounding of its coordinates. */
-    const double lift = p->offset + largest * 1e-6;
-    for (int i = 0; i < 3; ++i) {
-        if (along > 0) out->normal[i] = -out->normal[i];
-        out->point[i] += lift * out->normal[i];
-        out->to_lamp[i] = p->lamp[i] - out->point[i];
-    }
-    out->prim = hit->prim;
-}
-
-static htree_ray ray_from(const surface *s, const double *direction, double tmax) {
-    htree_ray ray;
-    for (int i = 0; i < 3; ++i) {
-        ray.org[i] = (float)s->point[i];
-        ray.dir[i] = (float)direction[i];
-    }
-    ray.tmin = 0;
-    ray.tmax = (float)tmax;
-    return ray;
-}
-
-/* Direction i of n around the normal, cosine-weighted: a spiral of equal areas on the unit disk,
- * lifted to the sphere, and turned by a random angle per pixel. */
-static void ambient_direction(const double *normal, uint32_t i, uint32_t n, uint64_t bits,
+/* Direction i of n: a spiral of equal areas, turned by a random angle per pixel. */
+static void ambient_direction(const surface *s, uint32_t i, uint32_t n, uint64_t bits,
                               double *out) {
-    double side[3] = {0, 0, 0}, t[3], b[3];
-    side[fabs(normal[0]) < 0.6 ? 0 : 1] = 1;
-    cross(normal, side, t);
-    normalise(t);
-    cross(normal, t, b);
     const double area = ((double)i + unit_from_bits(hash64(bits))) / (double)n;
-    const double turn = 0.6180339887498949 * (double)i + unit_from_bits(bits);
-    const double r = sqrt(area), x = r * cos_turns(turn), y = r * sin_turns(turn);
-    const double z = sqrt(1 - area);
-    for (int k = 0; k < 3; ++k) out[k] = x * t[k] + y * b[k] + z * normal[k];
+    surface_cosine(s, area, 0.6180339887498949 * (double)i + unit_from_bits(bits), out);
 }
 
 /* The bits that decide everything random about one sample of one pixel. */
@@ -178,7 +123,7 @@ static htree_status trace_primary(painter *p, uint64_t first, uint32_t count, ui
         p->rays[i] = camera_ray(p->scene->view, (double)(pixel % args->width) + jx,
                                 (double)(pixel / args->width) + jy, args->width, args->height);
     }
-    const htree_status status = htree_intersect(p->scene->tree, p->rays, count, p->hits, &p->query);
+    const htree_status status = tracer_intersect(p->scene->by, p->rays, count, p->hits);
     *surface_count = 0;
     if (status != HTREE_OK) return status;
     for (uint32_t i = 0; i < count; ++i) {
@@ -187,8 +132,9 @@ static htree_status trace_primary(painter *p, uint64_t first, uint32_t count, ui
             add_background(p->sum[i], args->mode == MODE_SHADED ? row / args->height : 0);
             continue;
         }
-        surface *s = &p->surfaces[(*surface_count)++];
-        find_surface(p, &p->hits[i], &p->rays[i], s);
+        seen *s = &p->surfaces[(*surface_count)++];
+        surface_find(&s->at, p->scene->mesh, &p->hits[i], &p->rays[i], p->lift);
+        for (int k = 0; k < 3; ++k) s->to_lamp[k] = p->lamp[k] - s->at.point[k];
         s->pixel = i;
     }
     return HTREE_OK;
@@ -200,26 +146,26 @@ static htree_status trace_primary(painter *p, uint64_t first, uint32_t count, ui
 static htree_status light_surfaces(painter *p, uint64_t first, uint32_t sample, uint32_t count) {
     const uint32_t n = p->ambient, spp = p->scene->args->spp;
     for (uint32_t i = 0; i < count; ++i) {
-        const surface *s = &p->surfaces[i];
+        const seen *s = &p->surfaces[i];
         const uint64_t bits = sample_bits(p, first + s->pixel, UINT32_MAX);
-        p->rays[i] = ray_from(s, s->to_lamp, 1);
+        p->rays[i] = surface_ray(&s->at, s->to_lamp, 1);
         for (uint32_t k = 0; k < n; ++k) {
             double direction[3];
-            ambient_direction(s->normal, k * spp + sample, n * spp, bits, direction);
-            p->rays[count + (size_t)i * n + k] = ray_from(s, direction, p->reach);
+            ambient_direction(&s->at, k * spp + sample, n * spp, bits, direction);
+            p->rays[count + (size_t)i * n + k] = surface_ray(&s->at, direction, p->reach);
         }
     }
     const htree_status status =
-        htree_occluded(p->scene->tree, p->rays, (uint64_t)count * (n + 1), p->blocked, &p->query);
+        tracer_occluded(p->scene->by, p->rays, (uint64_t)count * (n + 1), p->blocked);
     if (status != HTREE_OK) return status;
     const int up = p->scene->args->camera.up;
     for (uint32_t i = 0; i < count; ++i) {
-        surface *s = &p->surfaces[i];
+        seen *s = &p->surfaces[i];
         uint32_t open = 0;
         for (uint32_t k = 0; k < n; ++k) open += !p->blocked[count + (size_t)i * n + k];
         normalise(s->to_lamp);
-        const double lamp = p->blocked[i] ? 0 : fmax(0, dot(s->normal, s->to_lamp));
-        add_light(p->sum[s->pixel], lamp, (double)open / n, s->normal[up]);
+        const double lamp = p->blocked[i] ? 0 : fmax(0, dot(s->at.normal, s->to_lamp));
+        add_light(p->sum[s->pixel], lamp, (double)open / n, s->at.normal[up]);
     }
     return HTREE_OK;
 }
@@ -228,11 +174,11 @@ static htree_status light_surfaces(painter *p, uint64_t first, uint32_t sample, 
 static void label_surfaces(painter *p, uint32_t count) {
     const bool normals = p->scene->args->mode == MODE_NORMALS;
     for (uint32_t i = 0; i < count; ++i) {
-        const surface *s = &p->surfaces[i];
-        const uint64_t bits = hash64(s->prim);
+        const seen *s = &p->surfaces[i];
+        const uint64_t bits = hash64(s->at.prim);
         for (int k = 0; k < 3; ++k) {
             const double random = 0.25 + 0.75 * (double)(bits >> (8 * k) & 255) / 255;
-            const double c = normals ? 0.5 + 0.5 * s->normal[k] : random;
+            const double c = normals ? 0.5 + 0.5 * s->at.normal[k] : random;
             p->sum[s->pixel][k] += (float)(c * c);
         }
     }
@@ -270,14 +216,12 @@ static bool painter_start(painter *p, const shade_scene *scene) {
     p->scene = scene;
     /* Some 20 per pixel make a smooth shadow; a single sample has to do with fewer. */
     p->ambient = args->spp < 4 ? 16 : 5;
-    htree_query_init(&p->query, sizeof p->query);
-    p->query.threads = args->threads;
     place_lamp(p, &box);
     const size_t rays = (size_t)BAND_PIXELS * (p->ambient + 1);
     p->rays = (htree_ray *)malloc(rays * sizeof *p->rays);
     p->blocked = (uint8_t *)malloc(rays);
     p->hits = (htree_hit *)malloc(BAND_PIXELS * sizeof *p->hits);
-    p->surfaces = (surface *)malloc(BAND_PIXELS * sizeof *p->surfaces);
+    p->surfaces = (seen *)malloc(BAND_PIXELS * sizeof *p->surfaces);
     p->sum = (float(*)[3])malloc(BAND_PIXELS * sizeof *p->sum);
     return p->rays && p->blocked && p->hits && p->surfaces && p->sum;
 }

@@ -28,6 +28,10 @@ static const char help[] =
     "      --size WxH          pixels (default 500x500)\n"
     "      --spp N             samples per pixel (default 4)\n"
     "      --threads N         threads, 0 for all cores (default 0)\n"
+    "      --device NAME       an OpenCL device traces every ray of the picture: its index, part\n"
+    "                          of its name, or default, for the first GPU; counters (--stats,\n"
+    "                          steps, tests) stay the CPU's, as devices do not count\n"
+    "      --list-devices      print the OpenCL devices\n"
     "      --seed N            of built-in scenes and of sampling (default 1)\n"
     "      --json FILE         write the figures of --stats as one JSON object\n"
     "      --stats             print figures of the tree and its rays\n"
@@ -36,7 +40,8 @@ static const char help[] =
     "\n"
     "  htree-render bunny.ply -o bunny.png --stats\n"
     "  htree-render --scene city --mode steps -o heat.png\n"
-    "  htree-render house.obj --camera inside --size 1280x720 --spp 16 -o house.png\n";
+    "  htree-render house.obj --camera inside --size 1280x720 --spp 16 -o house.png\n"
+    "  htree-render bunny.ply --device default --stats\n";
 
 enum {
     OPTION_SCENE = 256,
@@ -49,6 +54,8 @@ enum {
     OPTION_SIZE,
     OPTION_SPP,
     OPTION_THREADS,
+    OPTION_DEVICE,
+    OPTION_LIST_DEVICES,
     OPTION_SEED,
     OPTION_JSON,
     OPTION_STATS
@@ -66,6 +73,8 @@ static const struct option long_options[] = {
     {"size", required_argument, NULL, OPTION_SIZE},
     {"spp", required_argument, NULL, OPTION_SPP},
     {"threads", required_argument, NULL, OPTION_THREADS},
+    {"device", required_argument, NULL, OPTION_DEVICE},
+    {"list-devices", no_argument, NULL, OPTION_LIST_DEVICES},
     {"seed", required_argument, NULL, OPTION_SEED},
     {"json", required_argument, NULL, OPTION_JSON},
     {"stats", no_argument, NULL, OPTION_STATS},
@@ -87,17 +96,6 @@ static bool parse_scene(render_args *out, const char *text) {
         return option_wrong(program, "--scene %s: after ':' give a number of triangles up to 2^30",
                             text);
     return true;
-}
-
-static bool parse_kind(render_args *out, const char *text) {
-    char known[128] = "";
-    out->kind = htree_kind_from_name(text);
-    if (out->kind) return true;
-    for (htree_kind kind = 1; htree_kind_name(kind); ++kind) {
-        const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, " %s", htree_kind_name(kind));
-    }
-    return option_wrong(program, "--kind %s: no such structure; choose from%s", text, known);
 }
 
 static bool parse_mode(render_args *out, const char *text) {
@@ -137,8 +135,10 @@ static bool take_option(render_args *out, int option, const char *value) {
     case 'q': return out->quiet = true;
     case OPTION_JSON: return out->json = value, true;
     case OPTION_STATS: return out->stats = true;
+    case OPTION_DEVICE: return out->device = value, true;
+    case OPTION_LIST_DEVICES: return out->list_devices = true;
     case OPTION_SCENE: return parse_scene(out, value);
-    case OPTION_KIND: return parse_kind(out, value);
+    case OPTION_KIND: return option_kind(program, "kind", value, &out->kind);
     case OPTION_MODE: return parse_mode(out, value);
     case OPTION_HEAT_MAX: return parse_heat_max(out, value);
     case OPTION_UP: return parse_up(out, value);

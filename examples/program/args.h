@@ -20,12 +20,13 @@ typedef struct render_args {
     char scene[32];
     uint64_t triangles;
     const char *output, *json; /* NULL: none */
+    const char *device;        /* NULL: the CPU answers the rays */
     htree_kind kind;
     render_mode mode;
     uint32_t width, height, spp, threads, seed;
     double heat_max; /* 0: from the picture */
     camera_wish camera;
-    bool stats, quiet;
+    bool stats, quiet, list_devices; /* list_devices: and nothing else */
 } render_args;
 
 /* ARGS_DONE: help, version or the list of scenes was asked for and is printed. ARGS_WRONG: a

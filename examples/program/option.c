@@ -1,7 +1,6 @@
 /* option.c: every value is checked before a program starts to work. */
 #include "option.h"
 
-#include "htree.h"
 #include "shapes.h"
 
 #include <errno.h>
@@ -58,6 +57,31 @@ bool option_shape(const char *text, char *name, uint64_t *triangles) {
     if (!shape_text(name)) return false;
     *triangles = shape_default_triangles(name);
     return !text[length] || option_number(text + length + 1, 0, 0, 1 << 30, triangles);
+}
+
+bool option_kind(const char *program, const char *option, const char *text, htree_kind *kind) {
+    char known[128] = "";
+    *kind = htree_kind_from_name(text);
+    if (*kind) return true;
+    for (htree_kind i = 1; htree_kind_name(i); ++i) {
+        const size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, " %s", htree_kind_name(i));
+    }
+    return option_wrong(program, "--%s %s: no such structure; choose from%s", option, text, known);
+}
+
+bool option_list(const char *program, const char *option, const char *text,
+                 bool (*take)(void *user, const char *name), void *user) {
+    char word[64];
+    for (;;) {
+        const size_t length = strcspn(text, ",");
+        if (!length || length >= sizeof word)
+            return option_wrong(program, "--%s: a list of names with commas between them", option);
+        snprintf(word, sizeof word, "%.*s", (int)length, text);
+        if (!take(user, word)) return false;
+        if (!text[length]) return true;
+        text += length + 1;
+    }
 }
 
 /* getopt names a short option by its letter, and leaves a long one at the word before optind. */

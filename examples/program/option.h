@@ -3,6 +3,8 @@
 #ifndef EXAMPLES_OPTION_H
 #define EXAMPLES_OPTION_H
 
+#include "htree.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -18,6 +20,14 @@ bool option_u32(const char *program, const char *option, const char *text, uint6
 
 /* The value of --size, WIDTHxHEIGHT. */
 bool option_size(const char *program, const char *text, uint32_t *width, uint32_t *height);
+
+/* The value of --kind or --method, the name of a structure. */
+bool option_kind(const char *program, const char *option, const char *text, htree_kind *kind);
+
+/* The value of --`option`, names with commas between them: calls `take` with each, up to the first
+ * that it refuses. */
+bool option_list(const char *program, const char *option, const char *text,
+                 bool (*take)(void *user, const char *name), void *user);
 
 /* A built-in scene, NAME or NAME:N; `name` holds 32 bytes. False, and silent, if there is none. */
 bool option_shape(const char *text, char *name, uint64_t *triangles);

@@ -1,4 +1,5 @@
-/* primary.c: timing and counting are apart, because counting costs time of its own. */
+/* primary.c: timing and counting are apart, because counting costs time of its own, and is the
+ * CPU's; the hits that stay are of who was timed. */
 #include "primary.h"
 
 #include <stdlib.h>
@@ -16,17 +17,16 @@ static double median3(const double *x) {
     return x[2] < lo ? lo : x[2] > hi ? hi : x[2];
 }
 
-static htree_status time_batch(primary *p, const htree *tree, htree_query *query) {
+static htree_status time_batch(primary *p, tracer *by) {
     double seconds[3];
-    for (int i = 0; i < 3; ++i) {
+    htree_status status = tracer_count(by, p->rays, p->count, p->hits, p->counters);
+    for (int i = 0; i < 3 && status == HTREE_OK; ++i) {
         const double start = clock_seconds();
-        const htree_status status = htree_intersect(tree, p->rays, p->count, p->hits, query);
-        if (status != HTREE_OK) return status;
+        status = tracer_intersect(by, p->rays, p->count, p->hits);
         seconds[i] = clock_seconds() - start;
     }
-    p->seconds = median3(seconds);
-    query->counters = p->counters;
-    return htree_intersect(tree, p->rays, p->count, p->hits, query);
+    if (status == HTREE_OK) p->seconds = median3(seconds);
+    return status;
 }
 
 static void take_means(primary *p) {
@@ -44,12 +44,10 @@ static void take_means(primary *p) {
     p->leaf_steps = (double)leaves / count;
 }
 
-htree_status primary_trace(primary *out, const htree *tree, const camera *view, uint32_t width,
-                           uint32_t height, uint32_t threads) {
+htree_status primary_trace(primary *out, tracer *by, const camera *view, uint32_t width,
+                           uint32_t height) {
     const size_t count = (size_t)width * height;
-    htree_query query;
-    htree_status status = htree_query_init(&query, sizeof query);
-    query.threads = threads;
+    htree_status status = HTREE_OK;
     memset(out, 0, sizeof *out);
     out->count = count;
     out->rays = (htree_ray *)malloc(count * sizeof *out->rays);
@@ -60,7 +58,7 @@ htree_status primary_trace(primary *out, const htree *tree, const camera *view, 
         for (size_t i = 0; i < count; ++i)
             out->rays[i] = camera_ray(view, (double)(i % width) + 0.5, (double)(i / width) + 0.5,
                                       width, height);
-        status = time_batch(out, tree, &query);
+        status = time_batch(out, by);
     }
     if (status == HTREE_OK)
         take_means(out);

@@ -3,6 +3,7 @@
 #define EXAMPLES_PRIMARY_H
 
 #include "camera.h"
+#include "tracer.h"
 
 typedef struct primary {
     uint64_t count; /* width * height, row by row from the top left */
@@ -14,10 +15,10 @@ typedef struct primary {
     double intersections, traversal_steps, leaf_steps;
 } primary;
 
-/* Traces the rays of `view`. On failure *out is empty and htree_error_text() or, for
+/* Traces the rays of `view`. On failure *out is empty and tracer_error_text() or, for
  * HTREE_ERROR_MEMORY, the status says why. The caller frees with primary_free. */
-htree_status primary_trace(primary *out, const htree *tree, const camera *view, uint32_t width,
-                           uint32_t height, uint32_t threads);
+htree_status primary_trace(primary *out, tracer *by, const camera *view, uint32_t width,
+                           uint32_t height);
 
 void primary_free(primary *p);
 

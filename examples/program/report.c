@@ -43,6 +43,7 @@ void report_print(const report *r) {
     figure figures[FIGURE_COUNT];
     list_figures(r, figures);
     printf("%-12s %14s\n%-12s %14s\n", "scene", r->scene, "kind", htree_kind_name(r->stats.kind));
+    if (r->device) printf("%-12s %s\n", "device", r->device);
     for (const figure *f = figures; f->key; ++f)
         printf("%-12s %14.*f  %s\n", f->key, f->digits, f->value, f->text);
     if (r->stats.invalid || r->stats.degenerate)
@@ -70,6 +71,10 @@ bool report_write_json(const report *r, const char *path, char *error, size_t si
         fputs("{\"scene\": ", file);
         report_write_string(file, r->scene);
         fprintf(file, ",\n \"kind\": \"%s\"", htree_kind_name(r->stats.kind));
+        if (r->device) {
+            fputs(",\n \"device\": ", file);
+            report_write_string(file, r->device);
+        }
         for (const figure *f = figures; f->key; ++f) {
             /* 15 digits keep every count exact; JSON has no word for infinity. */
             fprintf(file, ",\n \"%s\": ", f->key);

@@ -10,6 +10,7 @@
 
 typedef struct report {
     const char *scene;
+    const char *device; /* that traced the rays; NULL: the CPU */
     uint32_t threads;
     htree_stats stats;
     const primary *rays;

@@ -134,16 +134,18 @@ bool bench_scene_open(bench_scene *out, const scene_wish *wish, const char *fold
     snprintf(out->name, sizeof out->name, "%s", wish->name);
     if (wish->source == SCENE_CATALOGUE)
         return open_entry(out, find_entry(wish->name), folder, error, size);
-    out->camera = *view;
+    if (view) out->camera = *view;
     if (wish->source == SCENE_SHAPE) {
-        snprintf(out->note, sizeof out->note, "built-in, %s", view_name(view));
+        snprintf(out->note, sizeof out->note, "built-in, %s", view_name(&out->camera));
         return open_shape(out, wish->name, wish->triangles, error, size);
     }
     const char *slash = strrchr(wish->path, '/');
     snprintf(out->name, sizeof out->name, "%s", slash && slash[1] ? slash + 1 : wish->path);
     if (!open_mesh(out, wish->path, levels, error, size)) return false;
+    for (int i = 0; !view && i < ENTRY_COUNT; ++i)
+        if (strcmp(catalogue[i].file, out->name) == 0) out->camera.mode = catalogue[i].view;
     const char *more = levels ? ", subdivided" : "";
-    snprintf(out->note, sizeof out->note, "from a file%s, %s", more, view_name(view));
+    snprintf(out->note, sizeof out->note, "from a file%s, %s", more, view_name(&out->camera));
     recognise(out);
     return true;
 }

@@ -34,8 +34,9 @@ bool bench_scene_parse(scene_wish *wish, const char *text);
 
 /* Loads or makes the mesh, and subdivides meshes from paths `levels` times. Catalogue scenes whose
  * file is not in `folder` become built-in scenes of the same size, and the note says so. `view` is
- * for meshes and shapes; the catalogue knows its own. The caller frees mesh. False writes one line
- * to `error`. */
+ * for meshes and shapes; the catalogue knows its own, which NULL asks for where a mesh has the name
+ * of one of its files, and the view from outside elsewhere. The caller frees mesh. False writes one
+ * line to `error`. */
 bool bench_scene_open(bench_scene *out, const scene_wish *wish, const char *folder, uint32_t levels,
                       const camera_wish *view, char *error, size_t size);
 

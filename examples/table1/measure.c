@@ -2,6 +2,7 @@
  * caches, and then once against the clock. */
 #include "measure.h"
 
+#include "figures.h"
 #include "numbers.h"
 #include "pool.h"
 #include "primary.h"
@@ -20,16 +21,6 @@ typedef struct bench {
     double *builds, *traces; /* by way and round */
     pool memory;
 } bench;
-
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *x, uint32_t count) {
-    qsort(x, count, sizeof *x, compare);
-    return count % 2 ? x[count / 2] : (x[count / 2 - 1] + x[count / 2]) / 2;
-}
 
 static bool bench_make(bench *b, const measure_job *job, uint32_t ways) {
     memset(b, 0, sizeof *b);
@@ -124,8 +115,8 @@ static void summarise(const bench *b, measure_row *rows, uint32_t count) {
     const uint32_t repeat = b->job->repeat;
     const measure_row *reference = NULL;
     for (uint32_t i = 0; i < count; ++i) {
-        rows[i].build = median(b->builds + (size_t)i * repeat, repeat);
-        rows[i].trace = median(b->traces + (size_t)i * repeat, repeat);
+        rows[i].build = figures_median(b->builds + (size_t)i * repeat, repeat);
+        rows[i].trace = figures_median(b->traces + (size_t)i * repeat, repeat);
         if (rows[i].way.kind == HTREE_KD) reference = &rows[i];
     }
     for (uint32_t i = 0; i < count; ++i) {

@@ -1,6 +1,7 @@
 /* table.c: one list of figures serves JSON and CSV; the text keeps to the columns of the paper. */
 #include "table.h"
 
+#include "figures.h"
 #include "report.h"
 
 #include <errno.h>
@@ -21,19 +22,6 @@ const char *table_method_name(htree_kind kind) {
 }
 
 /* ---- Text ----------------------------------------------------------------------------------- */
-
-/* 69451 as "69,451". */
-static const char *with_commas(char *out, size_t size, uint64_t number) {
-    char digits[24];
-    size_t used = 0;
-    const int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long)number);
-    for (int i = 0; i < length && used + 2 < size; ++i) {
-        if (i && (length - i) % 3 == 0) out[used++] = ',';
-        out[used++] = digits[i];
-    }
-    out[used] = 0;
-    return out;
-}
 
 static void print_speedup(FILE *out, double x) {
     if (isnan(x))
@@ -64,12 +52,12 @@ static void print_paper_row(FILE *out, const paper_row *row) {
 void table_print_block(FILE *out, const table_block *block) {
     char count[32], papers[32];
     fprintf(out, "\nScene %s - %s triangles, %ux%u pixels - %s: %s\n", block->name,
-            with_commas(count, sizeof count, block->triangles), block->width, block->height,
+            figures_commas(count, sizeof count, block->triangles), block->width, block->height,
             block->label, block->note);
     if (block->paper)
         fprintf(out, "  rows \"paper\": %s, %s triangles, %ux%u pixels\n", block->paper->name,
-                with_commas(papers, sizeof papers, block->paper->primitives), block->paper->width,
-                block->paper->height);
+                figures_commas(papers, sizeof papers, block->paper->primitives),
+                block->paper->width, block->paper->height);
     fprintf(out, "%-9s %9s %9s %9s %8s %7s %7s %8s %8s %8s %7s %7s %7s\n", "Method", "N_NS[k]",
             "N_E[k]", "N_ER[k]", "N_IT", "N_TS", "N_ETS", "T_C[s]", "T_R[s]", "T_T[s]", "s(T_C)",
             "s(T_R)", "s(T_T)");

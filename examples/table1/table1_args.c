@@ -109,34 +109,18 @@ static bool take_scene(table1_args *out, const char *text) {
     return option_wrong(program, "--scene %s: no such scene; choose from%s", text, known);
 }
 
-/* Calls `take` with every word of a list that commas divide. */
-static bool take_list(table1_args *out, const char *option, const char *text,
-                      bool (*take)(table1_args *, const char *)) {
-    char word[64];
-    for (;;) {
-        const size_t length = strcspn(text, ",");
-        if (!length || length >= sizeof word)
-            return option_wrong(program, "--%s: a list of names with commas between them", option);
-        snprintf(word, sizeof word, "%.*s", (int)length, text);
-        if (!take(out, word)) return false;
-        if (!text[length]) return true;
-        text += length + 1;
-    }
-}
-
-static bool take_growth_scene(table1_args *out, const char *name) {
-    scene_wish *wish = next_scene(out);
+static bool take_growth_scene(void *user, const char *name) {
+    scene_wish *wish = next_scene((table1_args *)user);
     if (!wish) return false;
     return (bench_scene_parse(wish, name) && wish->source == SCENE_SHAPE && !strchr(name, ':')) ||
            option_wrong(program, "--growth %s: no such built-in scene, such as soup or waves",
                         name);
 }
 
-static bool take_method(table1_args *out, const char *name) {
-    const htree_kind kind = htree_kind_from_name(name);
-    if (!kind)
-        return option_wrong(program, "--method %s: choose from kd ug bvh-median bvh-sah skd h ah",
-                            name);
+static bool take_method(void *user, const char *name) {
+    table1_args *out = (table1_args *)user;
+    htree_kind kind;
+    if (!option_kind(program, "method", name, &kind)) return false;
     for (uint32_t i = 0; i < out->kind_count; ++i)
         if (out->kinds[i] == kind) return true;
     if (out->kind_count == TABLE1_MAX_KINDS) return false;
@@ -155,7 +139,7 @@ static bool take_option(table1_args *out, int option, const char *value) {
     case OPTION_SCENES: return out->folder = value, true;
     case OPTION_SCENE: return take_scene(out, value);
     case OPTION_SUBDIVIDE: return option_u32(program, "subdivide", value, 0, 8, &out->levels);
-    case OPTION_METHOD: return take_list(out, "method", value, take_method);
+    case OPTION_METHOD: return option_list(program, "method", value, take_method, out);
     case OPTION_REPEAT:
         return option_u32(program, "repeat", value, 1, MEASURE_MAX_REPEAT, &out->repeat);
     case OPTION_THREADS: return option_u32(program, "threads", value, 0, 1024, &out->threads);
@@ -165,7 +149,7 @@ static bool take_option(table1_args *out, int option, const char *value) {
     case OPTION_QUICK: return take_scene(out, "bunny") && take_scene(out, "crowd:100000");
     case OPTION_GROWTH:
         out->mode = TABLE1_GROWTH;
-        return take_list(out, "growth", value, take_growth_scene);
+        return option_list(program, "growth", value, take_growth_scene, out);
     case OPTION_FROM: return take_triangles("from", value, &out->from);
     case OPTION_TO: return take_triangles("to", value, &out->to);
     case OPTION_PATIENCE: return option_u32(program, "patience", value, 1, 3600, &out->patience);

@@ -130,7 +130,8 @@ htree_status visible_paint(picture *out, const visible_job *job, const visible_r
     shading.threads = args->threads;
     shading.seed = args->seed;
     shading.camera = args->camera;
-    const shade_scene scene = {job->tree, job->mesh, view, &shading};
+    tracer cpu = tracer_cpu(job->tree, args->threads);
+    const shade_scene scene = {&cpu, job->mesh, view, &shading};
     if (!picture_make(out, args->width, args->height)) return HTREE_ERROR_MEMORY;
     htree_status status = shade_picture(out, &scene, &bar);
     progress_end(&bar);

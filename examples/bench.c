@@ -1,0 +1,186 @@
+/* bench.c: htree-bench. Rays a second of the structures on the CPU, on an OpenCL device and beside
+ * other ray tracers, over the same rays. What is known is printed and written when a scene is done.
+ *
+ * SPDX-License-Identifier: MIT */
+#include "bench_args.h"
+#include "cores.h"
+#include "device.h"
+#include "duel_table.h"
+#include "machine.h"
+#include "report.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXIT_INPUT = 1, EXIT_USAGE = 2 };
+
+typedef struct bench {
+    bench_args args;
+    char machine[256], command[512], cores[64], device_text[320], error[512];
+    struct htree_cl *device; /* NULL: none */
+    char *rows;              /* of the JSON so far */
+    size_t row_bytes;
+    duel fight;
+} bench;
+
+static void print_head(const bench *b) {
+    const bench_args *args = &b->args;
+    printf("# machine: %s\n# command: %s\n# %s; medians of %u round%s of at least %g s a "
+           "contender, in turn; libhtree %d.%d.%d\n",
+           b->machine, b->command, b->cores, args->rounds, args->rounds == 1 ? "" : "s",
+           args->seconds, HTREE_VERSION_MAJOR, HTREE_VERSION_MINOR, HTREE_VERSION_PATCH);
+    if (b->device) printf("# device: %s\n", b->device_text);
+    fflush(stdout);
+}
+
+/* The peers say who they are when they have been opened. */
+static void print_peers(const bench *b) {
+    for (uint32_t i = 0; i < b->args.peer_count; ++i)
+        printf("# %s: %s\n", b->args.peers[i], b->fight.peer_text[i]);
+}
+
+static bool open_device(bench *b) {
+    const char *const pocl = getenv("POCL_MAX_PTHREAD_COUNT");
+    if (!b->args.device) return true;
+    b->device = device_open(b->args.device, b->error, sizeof b->error);
+    if (!b->device) return false;
+    device_describe(b->device, b->device_text, sizeof b->device_text);
+    const size_t used = strlen(b->device_text);
+    if (strstr(b->device_text, "Portable Computing Language") && pocl)
+        snprintf(b->device_text + used, sizeof b->device_text - used, ", POCL_MAX_PTHREAD_COUNT=%s",
+                 pocl);
+    return true;
+}
+
+/* ---- JSON ----------------------------------------------------------------------------------- */
+
+static bool keep_rows(bench *b, const duel_title *title) {
+    bool first = b->row_bytes == 0;
+    char *more = NULL;
+    size_t bytes = 0;
+    FILE *memory = open_memstream(&more, &bytes);
+    if (memory) {
+        duel_write_rows(memory, &b->fight, title, &first);
+        fclose(memory);
+    }
+    char *all = more ? (char *)realloc(b->rows, b->row_bytes + bytes + 1) : NULL;
+    if (all) {
+        memcpy(all + b->row_bytes, more, bytes + 1);
+        b->rows = all;
+        b->row_bytes += bytes;
+    }
+    free(more);
+    return all || (snprintf(b->error, sizeof b->error, "out of memory"), false);
+}
+
+/* Written before the first scene, so that a path that cannot be written fails early, and anew after
+ * every scene. */
+static bool write_json(bench *b) {
+    const char *path = b->args.json;
+    if (!path) return true;
+    FILE *file = fopen(path, "w");
+    if (file) {
+        fputs("{\"machine\": ", file);
+        report_write_string(file, b->machine);
+        fputs(",\n \"command\": ", file);
+        report_write_string(file, b->command);
+        fprintf(file, ",\n \"threads\": %u,\n \"device\": ", b->args.threads);
+        report_write_string(file, b->device_text);
+        fprintf(file, ",\n \"rows\": [%s]}\n", b->rows ? b->rows : "");
+    }
+    const bool bad = file && ferror(file);
+    const bool ok = file && fclose(file) == 0 && !bad;
+    if (!ok) snprintf(b->error, sizeof b->error, "%s: %s", path, strerror(errno));
+    return ok;
+}
+
+/* ---- Scenes --------------------------------------------------------------------------------- */
+
+static duel_job make_job(const bench *b, const bench_scene *scene, const camera *view) {
+    const bench_args *args = &b->args;
+    duel_job job;
+    memset(&job, 0, sizeof job);
+    job.mesh = &scene->mesh;
+    job.view = view;
+    job.wish = args->wish;
+    job.kinds = args->kinds;
+    job.kind_count = args->kind_count;
+    job.device = b->device;
+    job.peers = args->peers;
+    job.peer_count = args->peer_count;
+    job.threads = args->threads;
+    job.rounds = args->rounds;
+    job.seconds = args->seconds;
+    job.label = scene->name;
+    job.quiet = args->quiet;
+    return job;
+}
+
+static bool run_duel(bench *b, const bench_scene *scene, bool first) {
+    const bench_args *args = &b->args;
+    const camera view =
+        camera_place(&scene->camera, &scene->mesh, args->wish.width, args->wish.height);
+    const duel_job job = make_job(b, scene, &view);
+    const duel_title title = {scene->name, scene->note, scene->mesh.triangle_count, args->wish,
+                              args->wish.reach * ray_sets_diagonal(&scene->mesh)};
+    bool ok = duel_run(&b->fight, &job, b->error, sizeof b->error);
+    if (ok) {
+        if (first) print_peers(b);
+        duel_print(stdout, &b->fight, &title);
+        ok = keep_rows(b, &title) && write_json(b) &&
+             duel_agrees(&b->fight, b->error, sizeof b->error);
+    }
+    if (ok) {
+        const char *also = !b->device                ? ""
+                           : device_exact(b->device) ? " and of the device"
+                                                     : ", and t of the device within 2^-16";
+        printf("\nEqual answers: every byte of every structure%s, in every round.\n", also);
+    }
+    fflush(stdout);
+    duel_end(&b->fight);
+    return ok;
+}
+
+static bool run_scenes(bench *b) {
+    const bench_args *args = &b->args;
+    for (uint32_t i = 0; i < args->scene_count; ++i) {
+        bench_scene scene;
+        if (!bench_scene_open(&scene, &args->scenes[i], args->folder, 0,
+                              args->has_camera ? &args->camera : NULL, b->error, sizeof b->error))
+            return false;
+        const bool ok = run_duel(b, &scene, i == 0);
+        shape_free(&scene.mesh);
+        if (!ok) return false;
+    }
+    return true;
+}
+
+static int list_devices(void) {
+    char error[512];
+    if (device_list(stdout, error, sizeof error)) return EXIT_SUCCESS;
+    fprintf(stderr, "htree-bench: %s\n", error);
+    return EXIT_INPUT;
+}
+
+int main(int argc, char **argv) {
+    static bench b;
+    const args_result parsed = bench_args_parse(&b.args, argc, argv);
+    if (parsed != ARGS_RUN) return parsed == ARGS_DONE ? EXIT_SUCCESS : EXIT_USAGE;
+    if (b.args.list_devices) return list_devices();
+    machine_describe(b.machine, sizeof b.machine);
+    machine_command(b.command, sizeof b.command, argc, argv);
+    cores_take(b.args.threads, b.cores, sizeof b.cores);
+    bool ok = open_device(&b) && write_json(&b);
+    if (ok) {
+        print_head(&b);
+        ok = run_scenes(&b);
+    }
+    const bool shown = fflush(stdout) == 0 && !ferror(stdout);
+    if (!ok) fprintf(stderr, "htree-bench: %s\n", b.error);
+    if (!shown) fputs("htree-bench: cannot write to the standard output\n", stderr);
+    device_close(b.device);
+    free(b.rows);
+    return ok && shown ? EXIT_SUCCESS : EXIT_INPUT;
+}
