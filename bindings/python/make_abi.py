@@ -20,7 +20,8 @@ def declarations(header: str) -> str:
     text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.DOTALL)
     lines = text.splitlines()
     return "\n".join(
-        line for line in lines
+        line
+        for line in lines
         if not line.startswith("#") or re.fullmatch(r"#define +HTREE_\w+ +\d+ *", line)
     )
 

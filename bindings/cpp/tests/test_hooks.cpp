@@ -32,6 +32,8 @@ TEST_CASE("options say what a preset stands for, and reach the library") {
     CHECK(c.few_prims == 32);
     CHECK(ht::options(how).strict(false).raw().flags == (HTREE_ANY_PLANES | HTREE_LOOSE_PLANES));
     MUST(MUST(ht::tree::build(soup().mesh(), how)).check());
+    CHECK(ht::query().raw().threads == 0);
+    CHECK(ht::query().threads(5).raw().threads == 5);
 }
 
 TEST_CASE("measured costs are costs that a build takes") {

@@ -19,7 +19,9 @@ Floats = NDArray[np.float64]
 
 def grid_faces(rows: int, columns: int, wraps: bool) -> NDArray[np.uint32]:
     """Two triangles for each cell of a grid of vertices."""
-    i, j = np.meshgrid(np.arange(rows - (not wraps)), np.arange(columns - (not wraps)), indexing="ij")
+    i, j = np.meshgrid(
+        np.arange(rows - (not wraps)), np.arange(columns - (not wraps)), indexing="ij"
+    )
     i1, j1 = (i + 1) % rows, (j + 1) % columns
     a, b, c, d = (x * columns + y for x, y in ((i, j), (i1, j), (i1, j1), (i, j1)))
     faces = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], -2)
@@ -30,7 +32,9 @@ def knot(along: int = 500, around: int = 48) -> tuple[Floats, NDArray[np.uint32]
     """A tube around a (2, 3) torus knot."""
     s = np.linspace(0, 2 * np.pi, along, endpoint=False)
     radius = 1 + 0.4 * np.cos(3 * s)
-    line = np.stack([radius * np.cos(2 * s), radius * np.sin(2 * s), 0.55 * np.sin(3 * s) + 0.95], -1)
+    line = np.stack(
+        [radius * np.cos(2 * s), radius * np.sin(2 * s), 0.55 * np.sin(3 * s) + 0.95], -1
+    )
     tangent = np.roll(line, -1, 0) - np.roll(line, 1, 0)
     side = np.cross(tangent, [0, 0, 1])
     side /= np.linalg.norm(side, axis=1, keepdims=True)

@@ -32,15 +32,18 @@ def test_the_same_mesh_in_any_form_gives_the_same_hits(ball: Mesh) -> None:
     expected = hits_of(vertices, faces)
     wide = np.zeros((len(vertices), 8), np.float32)
     wide[:, 2:5] = vertices
+    odd = np.zeros(len(vertices), [("point", "f4", 3), ("tag", "u1")])
+    odd["point"] = vertices
     for positions in (
         vertices.astype(np.float64),
         vertices.tolist(),
         np.asfortranarray(vertices),
         vertices.ravel(),
         array.array("f", vertices.ravel().tolist()),
-        memoryview(vertices),
+        vertices.data,
         vertices.astype(">f4"),
         wide[:, 2:5],
+        odd["point"],
         vertices[::-1].copy()[::-1],
     ):
         assert hits_of(positions, faces) == expected
@@ -124,7 +127,8 @@ def test_numbers_that_are_no_coordinates_are_skipped_and_counted() -> None:
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [math.nan, 0, 0], [1e300, 0, 0]])
     with htree.build(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 0, 1]]) as tree:
         assert (tree.stats.triangles, tree.stats.invalid, tree.stats.degenerate) == (4, 2, 1)
-        assert tree.intersect_one([0.2, 0.2, 1], [0, 0, -1]) == (1.0, pytest.approx(0.2), pytest.approx(0.2), 0)
+        hit = tree.intersect_one([0.25, 0.5, 1], [0, 0, -1])
+        assert hit == htree.Hit(t=1, u=0.25, v=0.5, prim=0)
 
 
 # ---- Options ------------------------------------------------------------------------------------

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Python functions that the library calls: progress, tasks, objects; and memory, from C."""
+"""Hooks: progress and tasks in Python, memory in C."""
 
 from __future__ import annotations
 
 import gc
-import math
 import os
 import signal
 import threading
@@ -12,6 +11,7 @@ import time
 import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ import pytest
 from scenes import Mesh, some_rays, sphere
 
 import htree
+from htree._hooks import Call, _Batch
 from htree.raw import ffi
 
 SOUP = np.random.default_rng(5).random((60_000, 3)).astype(np.float32)
@@ -29,6 +30,8 @@ class Stop(Exception):
 
 
 # ---- Progress -----------------------------------------------------------------------------------
+#
+# On one thread: with more, how much of a batch the reporting thread gets is the system's choice.
 
 
 def test_progress_rises_on_the_calling_thread(tree: htree.Tree) -> None:
@@ -40,10 +43,10 @@ def test_progress_rises_on_the_calling_thread(tree: htree.Tree) -> None:
         threads.add(threading.get_ident())
 
     htree.build(SOUP, options="ah", progress=report)
-    assert len(seen) > 3 and seen == sorted(seen) and 0 <= seen[0] and seen[-1] <= 1
+    assert len(seen) > 3 and seen == sorted(seen) and min(seen) >= 0 and max(seen) <= 1
     seen.clear()
-    tree.intersect(some_rays(50_000), progress=report)
-    assert len(seen) > 3 and seen == sorted(seen) and 0 <= seen[0] and seen[-1] <= 1
+    tree.intersect(some_rays(50_000), progress=report, threads=1)
+    assert len(seen) > 3 and seen == sorted(seen) and min(seen) >= 0 and max(seen) <= 1
     assert threads == {threading.get_ident()}
 
 
@@ -52,8 +55,8 @@ def test_progress_can_stop_a_call_at_any_report(tree: htree.Tree) -> None:
     for stop_at in (1, 2, 5):
         for call in (
             lambda hook: htree.build(SOUP, progress=hook),
-            lambda hook: tree.intersect(rays, progress=hook),
-            lambda hook: tree.occluded(rays, progress=hook),
+            lambda hook: tree.intersect(rays, progress=hook, threads=1),
+            lambda hook: tree.occluded(rays, progress=hook, threads=1),
         ):
             seen: list[float] = []
 
@@ -77,8 +80,8 @@ def test_what_progress_raises_ends_the_call_and_is_raised(tree: htree.Tree) -> N
 
     for call in (
         lambda: htree.build(SOUP, progress=hook),
-        lambda: tree.intersect(rays, progress=hook),
-        lambda: tree.occluded(rays, progress=hook),
+        lambda: tree.intersect(rays, progress=hook, threads=1),
+        lambda: tree.occluded(rays, progress=hook, threads=1),
     ):
         count = 0
         with pytest.raises(Stop) as caught:
@@ -91,8 +94,13 @@ def test_control_c_ends_a_query_that_reports(tree: htree.Tree) -> None:
     def hook(fraction: float) -> None:
         os.kill(os.getpid(), signal.SIGINT)
 
-    with pytest.raises(KeyboardInterrupt):
-        tree.intersect(some_rays(200_000), progress=hook)
+    # A shell's background jobs ignore it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            tree.intersect(some_rays(50_000), progress=hook, threads=1)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_hook_may_query(tree: htree.Tree) -> None:
@@ -102,23 +110,24 @@ def test_a_hook_may_query(tree: htree.Tree) -> None:
     def hook(fraction: float) -> None:
         inner.append(tree.intersect(rays[:3], progress=lambda fraction: None).t.shape == (3,))
 
-    tree.intersect(rays, progress=hook)
+    tree.intersect(rays, progress=hook, threads=1)
     assert inner and all(inner)
 
 
 def test_hooks_are_let_go(ball: Mesh, tree: htree.Tree) -> None:
     class Hook:
+        def __init__(self, fails: bool) -> None:
+            self.fails = fails
+
         def __call__(self, fraction: float) -> None:
-            if fails:
+            if self.fails:
                 raise Stop
 
     for fails in (False, True):
-        hook = Hook()
+        hook = Hook(fails)
         alive = weakref.ref(hook)
-        try:
-            tree.intersect(some_rays(5000), progress=hook)
-        except Stop:
-            pass
+        with suppress(Stop):
+            tree.intersect(some_rays(5000), progress=hook, threads=1)
         del hook
         gc.collect()
         assert alive() is None
@@ -146,6 +155,20 @@ def test_a_pool_of_python_threads_runs_the_tasks(ball: Mesh, tree: htree.Tree) -
         calls.clear()
         own.intersect(rays, threads=1)
         assert not calls
+
+
+def test_threads_of_the_options_hold_for_queries(ball: Mesh) -> None:
+    calls: list[int] = []
+
+    def run(count: int, task: Callable[[int], None]) -> None:
+        calls.append(count)
+
+    with htree.build(*ball, htree.Options("h", threads=1, tasks=run)) as own:
+        own.intersect(some_rays(20_000))
+        own.occluded(some_rays(20_000), progress=lambda fraction: None)
+        assert not calls
+        own.intersect(some_rays(20_000), threads=0)
+        assert calls
 
 
 @pytest.mark.parametrize(
@@ -191,6 +214,36 @@ def test_tasks_of_another_time_are_refused(ball: Mesh) -> None:
         kept[0](1)
 
 
+def test_what_is_no_task_takes_none_away(ball: Mesh, tree: htree.Tree) -> None:
+    def run(count: int, task: Callable[[Any], None]) -> None:
+        for index in range(count):
+            for wrong in (float(index), str(index), None):
+                with pytest.raises(TypeError):
+                    task(wrong)
+
+    rays = some_rays(20_000)
+    with htree.build(*ball, htree.Options("h", tasks=run)) as own:
+        np.testing.assert_array_equal(own.intersect(rays).prim, tree.intersect(rays).prim)
+
+
+def test_a_task_that_runs_elsewhere_is_waited_for() -> None:
+    begun = threading.Event()
+    done: list[int] = []
+
+    def slow(data: object, index: int) -> None:
+        begun.set()
+        time.sleep(0.2)
+        done.append(index)
+
+    batch = _Batch(1, slow, None, Call())
+    thread = threading.Thread(target=batch, args=(0,))
+    thread.start()
+    begun.wait()
+    batch.finish()
+    assert done == [0]
+    thread.join()
+
+
 def test_what_tasks_raise_is_raised(ball: Mesh) -> None:
     def run(count: int, task: Callable[[int], None]) -> None:
         task(0)
@@ -200,131 +253,6 @@ def test_what_tasks_raise_is_raised(ball: Mesh) -> None:
         with pytest.raises(Stop):
             own.intersect(some_rays(20_000))
         assert own.intersect(some_rays(100)).hit.any()  # too few to be cut into tasks
-
-
-# ---- Objects ------------------------------------------------------------------------------------
-
-
-def ball_at(centre: list[float], ray: htree.Ray) -> tuple[float, float, float] | None:
-    """A sphere of radius 1."""
-    o = [ray.org[i] - centre[i] for i in range(3)]
-    a = sum(d * d for d in ray.dir)
-    b = sum(o[i] * ray.dir[i] for i in range(3))
-    under = b * b - a * (sum(x * x for x in o) - 1)
-    if under < 0:
-        return None
-    for t in ((-b - math.sqrt(under)) / a, (-b + math.sqrt(under)) / a):
-        if ray.tmin <= t <= ray.tmax:
-            return t, 0.25, 0.5
-    return None
-
-
-CENTRES = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]
-BOXES = [[[c[0] - 1, -1, -1], [c[0] + 1, 1, 1]] for c in CENTRES]
-
-
-def test_objects_are_hit_among_triangles() -> None:
-    objects = htree.Objects(BOXES, lambda index, ray: ball_at(CENTRES[index], ray))
-    wall = [[-9, -9, -2], [9, -9, -2], [0, 9, -2]]
-    with htree.build(wall, [[0, 1, 2]], objects=objects) as tree:
-        assert tree.stats.objects == 2 and "2 objects" in repr(tree)
-        first = tree.intersect_one([0, 0, 9], [0, 0, -1])
-        assert first == (8, 0.25, 0.5, 1)
-        assert tree.intersect_one([3, 0, 9], [0, 0, -2]) == (4, 0.25, 0.5, 2)
-        wall_hit = tree.intersect_one([1.5, 0, 9], [0, 0, -1])
-        assert wall_hit is not None and (wall_hit.t, wall_hit.prim) == (11, 0)
-        hits = tree.intersect([[0, 0, 9], [3, 0, 9], [1.5, 0, 9], [0, 99, 9]], [0, 0, -1], threads=0)
-        assert hits.prim.tolist() == [1, 2, 0, htree.NONE]
-        assert tree.occluded([3, 0, 9], [0, 0, -1], tmax=9)
-    with htree.build(None, objects=objects, options="bvh-sah") as tree:
-        assert tree.intersect_one([3, 0, 9], [0, 0, -1]) == (8, 0.25, 0.5, 1)
-
-
-def test_what_an_object_raises_ends_the_query_and_is_raised() -> None:
-    calls = 0
-
-    def intersect(index: int, ray: htree.Ray) -> None:
-        nonlocal calls
-        calls += 1
-        raise Stop
-
-    with htree.build(None, objects=htree.Objects(BOXES, intersect)) as tree:
-        rays = np.tile([[0, 0, 9, 0, 0, 0, -1, np.inf]], (5000, 1))
-        for query in (tree.intersect, tree.occluded):
-            calls = 0
-            with pytest.raises(Stop):
-                query(rays, threads=0)
-            assert calls == 1
-
-
-@pytest.mark.parametrize("answer", [7, (1.0, 2.0), ("t", "u", "v"), (1, 2, 3, 4)])
-def test_what_is_no_hit_is_an_error(answer: Any) -> None:
-    with htree.build(None, objects=htree.Objects(BOXES, lambda index, ray: answer)) as tree:
-        with pytest.raises((TypeError, ValueError)):
-            tree.intersect_one([0, 0, 9], [0, 0, -1])
-
-
-def test_queries_of_objects_on_many_threads_keep_their_errors_apart() -> None:
-    def intersect(index: int, ray: htree.Ray) -> tuple[float, float, float] | None:
-        if ray.org[0] > 2:
-            raise Stop(threading.get_ident())
-        return ball_at(CENTRES[index], ray)
-
-    outcomes: list[bool] = []
-    with htree.build(None, objects=htree.Objects(BOXES, intersect)) as tree:
-
-        def query(fails: bool) -> None:
-            for _ in range(50):
-                try:
-                    hits = tree.intersect([[3.0 * fails, 0, 9]] * 20, [0, 0, -1])
-                    outcomes.append(not fails and bool((hits.t == 8).all()))
-                except Stop as error:
-                    outcomes.append(fails and error.args[0] == threading.get_ident())
-
-        threads = [threading.Thread(target=query, args=(bool(i % 2),)) for i in range(4)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-    assert len(outcomes) == 200 and all(outcomes)
-
-
-def test_an_object_may_be_a_c_function() -> None:
-    calls: list[int] = []
-
-    @ffi.callback("htree_object_intersect")  # type: ignore[untyped-decorator, unused-ignore]
-    def intersect(user: Any, index: int, ray: Any, hit: Any) -> int:
-        calls.append(index)
-        hit.t = ffi.from_handle(user)
-        return 1
-
-    number = ffi.new_handle(2.5)
-    with htree.build(None, objects=htree.Objects(BOXES, intersect, number)) as tree:
-        hits = tree.intersect(np.tile([[0, 0, 9, 0, 0, 0, -1, np.inf]], (5000, 1)), threads=0)
-        assert (hits.t == 2.5).all() and (hits.prim == 0).all() and len(calls) == 5000
-
-
-def test_objects_that_are_none_are_refused() -> None:
-    with pytest.raises(TypeError, match="function"):
-        htree.Objects(BOXES, "sphere")
-    with pytest.raises(ValueError, match="boxes"):
-        htree.Objects([[0, 0, 0]], ball_at)
-
-
-def test_objects_live_as_long_as_their_tree() -> None:
-    class Intersect:
-        def __call__(self, index: int, ray: htree.Ray) -> tuple[float, float, float] | None:
-            return ball_at(CENTRES[index], ray)
-
-    function = Intersect()
-    alive = weakref.ref(function)
-    tree = htree.build(None, objects=htree.Objects(BOXES, function))
-    del function
-    gc.collect()
-    assert alive() is not None and tree.occluded_one([0, 0, 9], [0, 0, -1])
-    tree.close()
-    gc.collect()
-    assert alive() is None
 
 
 # ---- Memory -------------------------------------------------------------------------------------
@@ -367,6 +295,26 @@ def test_memory_comes_from_the_allocator_and_goes_back() -> None:
     assert sum(size for _, size in ledger.live.values()) <= tree.stats.peak_bytes
     tree.close()
     assert not ledger.live
+
+
+def test_an_error_at_any_report_leaves_no_memory() -> None:
+    ledger = Ledger()
+    options = htree.Options("h", threads=1, allocator=ledger.hook[0])
+    built = False
+    for stop_at in range(1, 1000):
+        reports = iter(range(1, 1000))
+
+        def hook(fraction: float, last: int = stop_at, reports: Any = reports) -> None:
+            if next(reports) == last:
+                raise Stop
+
+        with suppress(Stop):
+            htree.build(SOUP[:9000], None, options, progress=hook).close()
+            built = True
+        assert not ledger.live
+        if built:
+            break
+    assert built and stop_at > 10
 
 
 def test_an_allocator_may_fail_at_any_time() -> None:

@@ -61,7 +61,9 @@ def test_the_installed_package_is_whole() -> None:
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
-@pytest.mark.parametrize(("number", "accepted"), [(100, True), (199, True), (200, False), (10100, False)])
+@pytest.mark.parametrize(
+    ("number", "accepted"), [(100, True), (199, True), (200, False), (10100, False)]
+)
 def test_a_library_of_another_abi_is_refused(tmp_path: Path, number: int, accepted: bool) -> None:
     source, library = tmp_path / "other.c", tmp_path / "libother.so"
     source.write_text(f"unsigned htree_version(void) {{ return {number}; }}\n", encoding="ascii")

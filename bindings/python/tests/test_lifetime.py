@@ -150,8 +150,8 @@ def test_closing_during_queries_waits_for_them() -> None:
             try:
                 while True:
                     answers.append(tree.intersect(rays, threads=1).t)
-            except ValueError as error:
-                errors.append(error)
+            except ValueError as closed:
+                errors.append(closed)
 
         threads = [threading.Thread(target=query) for _ in range(3)]
         for thread in threads:

@@ -19,14 +19,14 @@ def test_rays_in_any_form_give_the_same_hits(tree: htree.Tree) -> None:
     plain = rays.view(np.float32).reshape(-1, 8)
     expected = tree.intersect(rays)
     assert expected.hit.any() and not expected.hit.all()
-    records = (CRay * len(rays)).from_buffer(rays)
+    records = (CRay * len(rays)).from_buffer(rays.data)
     for form in (
         plain,
         plain.astype(np.float64),
         plain.tolist(),
         np.asfortranarray(plain),
         np.repeat(rays, 2)[::2],
-        memoryview(rays),
+        rays.data,
         records,
     ):
         hits = tree.intersect(form)
@@ -102,7 +102,10 @@ def test_rays_and_hits_in_place_are_not_copied(tree: htree.Tree) -> None:
     out = np.empty(len(rays), htree.hit_dtype)
     flags = np.empty(len(rays), bool)
     used = {}
-    for name, given in (("float32", rays), ("float64", rays.view("f4").reshape(-1, 8).astype(float))):
+    for name, given in (
+        ("float32", rays),
+        ("float64", rays.view("f4").reshape(-1, 8).astype(float)),
+    ):
         tracemalloc.start()
         tree.intersect(given, out=out)
         tree.occluded(given, out=flags)

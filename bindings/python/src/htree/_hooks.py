@@ -7,7 +7,7 @@ from __future__ import annotations
 import operator
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -163,6 +163,7 @@ class _Batch:
         self.task, self.data, self.call = task, data, call
         self.waiting = set(range(count))
         self.running = 0
+        self.finished = False
         self.changed = threading.Condition()
 
     def __call__(self, index: int) -> None:
@@ -185,24 +186,25 @@ class _Batch:
             with self.changed:
                 if not self.waiting:
                     self.changed.wait_for(lambda: self.running == 0)
+                    self.finished = True
                     return
                 index = next(iter(self.waiting))
-            try:
+            with suppress(ValueError):  # another thread was quicker
                 self(index)
-            except ValueError:
-                pass  # another thread was quicker
 
 
 def _on_run(user: Any, count: int, task: Any, data: Any) -> None:
     call = _thread.call or Call()
     batch = _Batch(count, task, data, call)
-    step: Callable[[], object] = lambda: ffi.from_handle(user)(count, batch)
-    while batch.waiting or batch.running:
+    try:
+        ffi.from_handle(user)(count, batch)
+    except BaseException as error:
+        call.fail(error)
+    while not batch.finished:
         try:
-            step()
-        except BaseException as error:
+            batch.finish()
+        except BaseException as error:  # an interrupt: the library may go on no sooner for it
             call.fail(error)
-        step = batch.finish
 
 
 _run = ffi.callback("void(void *, uint32_t, void(*)(void *, uint32_t), void *)", _on_run)

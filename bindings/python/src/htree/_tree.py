@@ -70,7 +70,7 @@ class Stats(NamedTuple):
 
 class View(NamedTuple):
     """htree_view: the arrays of the tree itself, read-only. They keep its memory alive, even beyond
-    `close`. Nodes, leaves and grid are bytes, laid out as lib/tree/layout.h of this version says."""
+    `close`. Nodes, leaves and grid are bytes, laid out as lib/tree/layout.h says for it."""
 
     kind: str
     bounds: NDArray[np.float32]

@@ -51,13 +51,13 @@ class _Scene(NamedTuple):
         tree = build((vertices - centre) * scale, np.asarray(mesh.faces), options)
         return cls(tree, centre, scale, radius * scale)
 
-    def rays(self, origins: Floats, directions: Floats) -> tuple[Floats, Floats]:
-        """Origins as the tree has them, and how far each was moved along its ray: one that is far
-        off comes to three radii before the mesh, because float32 has no digits for both."""
-        local = (origins - self.centre) * self.scale
+    def origins(self, origins: Floats, directions: Floats) -> Floats:
+        """Origins as the tree has them. One that is far off comes along its ray to three radii
+        before the mesh, because float32 has no digits for both."""
+        local: Floats = (origins - self.centre) * self.scale
         ahead = -np.einsum("ij,ij->i", local, directions) - 3 * self.radius
-        moved = np.where(ahead > 0, ahead, 0.0)  # also where NaN
-        return local + moved[:, None] * directions, moved
+        local += np.where(ahead > 0, ahead, 0.0)[:, None] * directions
+        return local
 
 
 class RayMeshIntersector:
@@ -65,7 +65,11 @@ class RayMeshIntersector:
     changed since."""
 
     def __init__(
-        self, geometry: Trimesh, scale_to_box: bool = True, *, options: Options | str = Kind.BALANCED
+        self,
+        geometry: Trimesh,
+        scale_to_box: bool = True,
+        *,
+        options: Options | str = Kind.BALANCED,
     ) -> None:
         """
         geometry      a trimesh.Trimesh
@@ -117,7 +121,7 @@ class RayMeshIntersector:
         """The first triangle that each ray hits, or -1."""
         origins, directions = _checked(ray_origins, ray_directions)
         scene = self._scene
-        local, _moved = scene.rays(origins, directions)
+        local = scene.origins(origins, directions)
         return scene.tree.intersect(local, directions).prim.astype(np.int32)
 
     def intersects_any(
@@ -126,7 +130,7 @@ class RayMeshIntersector:
         """Whether each ray hits the mesh."""
         origins, directions = _checked(ray_origins, ray_directions)
         scene = self._scene
-        local, _moved = scene.rays(origins, directions)
+        local = scene.origins(origins, directions)
         return scene.tree.occluded(local, directions)
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
@@ -139,8 +143,8 @@ class RayMeshIntersector:
     ) -> tuple[Indices, Indices, Floats]:
         origins, directions = _checked(ray_origins, ray_directions)
         scene = self._scene
-        local, _moved = scene.rays(origins, directions)
-        live = np.arange(len(origins))
+        local = scene.origins(origins, directions)
+        live: Indices = np.arange(len(origins))
         after = np.zeros(len(origins))
         step = 2 * scene.radius * _ONE_HIT
         triangles, rays, places = [], [], []
