@@ -22,11 +22,16 @@
 
 static const uint64_t to_front[256] = {ROWS64(0), ROWS64(64), ROWS64(128), ROWS64(192)};
 
-HT_TARGET HT_INLINE lanes compress(lanes from, uint32_t mask) {
-    const __m256i index = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)to_front[mask]));
-    const lanes front = {_mm256_permutevar8x32_ps(from.tnear, index),
-                         _mm256_permutevar8x32_epi32(from.child, index)};
-    return front;
+HT_TARGET HT_INLINE __m256i lanes_of(uint32_t mask) {
+    return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)to_front[mask]));
+}
+
+HT_TARGET HT_INLINE __m256 compress(__m256 from, uint32_t mask) {
+    return _mm256_permutevar8x32_ps(from, lanes_of(mask));
+}
+
+HT_TARGET HT_INLINE __m256i compress_words(__m256i from, uint32_t mask) {
+    return _mm256_permutevar8x32_epi32(from, lanes_of(mask));
 }
 
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx2_walks);

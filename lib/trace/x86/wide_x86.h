@@ -25,13 +25,9 @@ typedef struct stream {
     float tnear[HT_WIDE_STACK + HT_LANES];
 } stream;
 
-typedef struct lanes {
-    __m256 tnear;
-    __m256i child;
-} lanes;
-
-/* Moves the lanes of the mask to the front. */
-HT_TARGET HT_INLINE lanes compress(lanes from, uint32_t mask);
+/* Move the lanes of the mask to the front. */
+HT_TARGET HT_INLINE __m256 compress(__m256 from, uint32_t mask);
+HT_TARGET HT_INLINE __m256i compress_words(__m256i from, uint32_t mask);
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
 
@@ -47,24 +43,25 @@ HT_TARGET HT_INLINE void clip_axis(const float *planes, const ht_ray *r, int axi
     *leave = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(far, to), rdir), *leave);
 }
 
-/* Pushes the children that the ray meets, the one that it is likely to meet first on top. */
-HT_TARGET HT_INLINE void step_node(const ht_wide_node *node, stream *s) {
-    const __m256i lane = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
-    const __m256i order = _mm256_xor_si256(lane, _mm256_set1_epi32((int)s->order));
+/* Pushes the children that the ray meets, the one that it is likely to meet first on top. The first
+ * hit that comes will do for `any`: no order, and no distances. */
+HT_TARGET HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bool any) {
     const float *planes = &node->lo[0][0];
     __m256 enter = _mm256_broadcast_ss(&s->r.tnear), leave = _mm256_broadcast_ss(&s->hit.t);
     clip_axis(planes, &s->r, 0, &enter, &leave);
     clip_axis(planes, &s->r, 1, &enter, &leave);
     clip_axis(planes, &s->r, 2, &enter, &leave);
-    const __m256i child = _mm256_load_si256((const __m256i *)(const void *)node->child);
-    const lanes all = {_mm256_permutevar8x32_ps(enter, order),
-                       _mm256_permutevar8x32_epi32(child, order)};
-    const __m256 meets =
-        _mm256_cmp_ps(all.tnear, _mm256_permutevar8x32_ps(leave, order), _CMP_LE_OQ);
-    const uint32_t mask = (uint32_t)_mm256_movemask_ps(meets);
-    const lanes met = compress(all, mask);
-    _mm256_storeu_ps(s->tnear + s->top, met.tnear);
-    _mm256_storeu_si256((__m256i *)(void *)(s->child + s->top), met.child);
+    __m256i child = _mm256_load_si256((const __m256i *)(const void *)node->child);
+    if (!any) {
+        const __m256i last = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
+        const __m256i order = _mm256_xor_si256(last, _mm256_set1_epi32((int)s->order));
+        enter = _mm256_permutevar8x32_ps(enter, order);
+        leave = _mm256_permutevar8x32_ps(leave, order);
+        child = _mm256_permutevar8x32_epi32(child, order);
+    }
+    const uint32_t mask = (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ));
+    if (!any) _mm256_storeu_ps(s->tnear + s->top, compress(enter, mask));
+    _mm256_storeu_si256((__m256i *)(void *)(s->child + s->top), compress_words(child, mask));
     s->top += (uint32_t)_mm_popcnt_u32(mask);
 }
 
@@ -140,10 +137,10 @@ HT_TARGET HT_INLINE bool step(const htree *tree, stream *s, const bool any) {
     do {
         if (s->top == 0) return true;
         --s->top;
-    } while (s->tnear[s->top] > s->hit.t);
+    } while (!any && s->tnear[s->top] > s->hit.t);
     const uint32_t child = s->child[s->top];
     if (child & HT_WIDE_LEAF) return step_leaf(tree, &tree->leaves[child & ~HT_WIDE_LEAF], s, any);
-    step_node((const ht_wide_node *)tree->nodes + child, s);
+    step_node((const ht_wide_node *)tree->nodes + child, s, any);
     return false;
 }
 
