@@ -235,8 +235,11 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 layers: ## check the include law and the map of lib/README.md
 	$(Q)sh tests/layers.sh
 
+# ---- Bindings -------------------------------------------------------------------------------------
+include bindings/bindings.mk
+
 # ---- House ----------------------------------------------------------------------------------------
-FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' 2>/dev/null)
+FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' '*.hpp' '*.cpp' 2>/dev/null)
 format: ## format all C sources in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
 
@@ -273,7 +276,7 @@ clean: ## remove build/
 
 help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
-	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(filter-out %.d,$(MAKEFILE_LIST)) | expand -t 18
 
 .PHONY: print-packages all lib run bench bench-device table1 plots tests test check layers format deps install uninstall clean help
 

@@ -52,9 +52,10 @@ step() {
     failed=$((failed + bad))
 }
 
-# The tests of htree-sys with the library from elsewhere than HTREE_LIB_DIR, $@: further arguments.
+# Layout and hits with the library that the feature $1 gives.
 elsewhere() {
-    env -u HTREE_LIB_DIR cargo test --locked -p htree-sys --tests --no-default-features "$@"
+    env -u HTREE_LIB_DIR cargo test --locked -p htree-sys -p htree --test abi --test conformance \
+        --no-default-features --features "htree/$1"
 }
 
 # A prefix with htree.pc, as an installed library has it.
@@ -63,9 +64,10 @@ with_pkg_config() {
     mkdir -p "$out/pkgconfig" &&
         printf 'Name: htree\nDescription: ray queries\nVersion: %s\nLibs: -L%s -lhtree -lm -lpthread\n' \
             "$version" "$HTREE_LIB_DIR" >"$out/pkgconfig/htree.pc" &&
-        env PKG_CONFIG_PATH="$out/pkgconfig" LD_LIBRARY_PATH="$library_path" \
-            env -u HTREE_LIB_DIR cargo test --locked -p htree-sys --tests --no-default-features \
-            --features pkg-config
+        (
+            export PKG_CONFIG_PATH="$out/pkgconfig" LD_LIBRARY_PATH="$library_path"
+            elsewhere pkg-config
+        )
 }
 
 render() {
@@ -87,8 +89,8 @@ step documentation env RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace
 step tests cargo test --locked --workspace --no-fail-fast
 step "tests, optimised" cargo test --locked --release --workspace --tests --no-fail-fast
 step "libhtree.so" env HTREE_LINK=dylib LD_LIBRARY_PATH="$library_path" \
-    cargo test --locked -p htree-sys --tests
-step bundled elsewhere --features bundled
+    cargo test --locked -p htree-sys -p htree --test abi --test conformance
+step bundled elsewhere bundled
 if have pkg-config; then
     step pkg-config with_pkg_config
 else

@@ -90,18 +90,29 @@ fn compile_sources() -> bool {
         .opt_level(3)
         .pic(true);
     for layer in ["base", "tree", "build", "trace"] {
-        let folder = root.join("lib").join(layer);
-        println!("cargo:rerun-if-changed={}", folder.display());
-        let files = folder.read_dir().unwrap().map(|file| file.unwrap().path());
-        let mut sources: Vec<_> =
-            files.filter(|file| file.extension().map_or(false, |end| end == "c")).collect();
-        sources.sort();
-        build.files(sources);
+        add_sources(&mut build, &root.join("lib").join(layer));
     }
     println!("cargo:rerun-if-changed={}", root.join("include/htree.h").display());
     build.compile("htree");
     link_libc();
     true
+}
+
+/// The C files of a layer, and those of its folders, which are for one processor each and empty for
+/// others.
+#[cfg(feature = "bundled")]
+fn add_sources(build: &mut cc::Build, folder: &Path) {
+    println!("cargo:rerun-if-changed={}", folder.display());
+    let mut entries: Vec<_> =
+        folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for entry in entries {
+        if entry.is_dir() {
+            add_sources(build, &entry);
+        } else if entry.extension().map_or(false, |end| end == "c") {
+            build.file(entry);
+        }
+    }
 }
 
 #[cfg(not(feature = "bundled"))]

@@ -355,3 +355,26 @@ unsafe extern "C" fn report_progress(user: *mut c_void, fraction: f64) -> i32 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_that_waits_is_seen_by_every_query_beside_it() {
+        let hooks = Hooks::new(None, None, None);
+        let text = |before| {
+            let panic = catch_unwind(AssertUnwindSafe(|| hooks.resume_panic(before))).err()?;
+            panic.downcast_ref::<&str>().map(|text| text.to_string())
+        };
+        let guilty = hooks.panic_count();
+        hooks.panics.catch(|| panic!("first"));
+        let beside = hooks.panic_count(); // a query that starts while the panic waits
+        assert!(hooks.panics.catch(|| ()).is_none());
+        assert_eq!(text(guilty).as_deref(), Some("first"));
+        assert!(text(beside).expect("misses for hits").contains("another query"));
+        let after = hooks.panic_count();
+        assert!(hooks.panics.catch(|| ()).is_some());
+        assert_eq!(text(after), None);
+    }
+}

@@ -235,10 +235,35 @@ fn no_task_runs_twice() {
     assert_eq!(calls.load(Ordering::Relaxed), rays.len());
 }
 
+/// Counts how often it runs.
+struct Counted(Arc<AtomicUsize>);
+
+impl Tasks for Counted {
+    fn run(&self, _count: u32, _task: &(dyn Fn(u32) + Sync)) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn threads_say_whether_the_loop_runs() {
+    let (positions, triangles) = terrain(10);
+    let mesh = Mesh::new(&positions).indices(&triangles);
+    let rays = rays_down(10, 2_000);
+    let runs = Arc::new(AtomicUsize::new(0));
+    for (build, query, wanted) in [(1, None, 0), (2, None, 1), (1, Some(2), 1), (2, Some(1), 0)] {
+        let options = Options::default().threads(build).tasks(Counted(Arc::clone(&runs)));
+        let tree = Tree::build(&mesh, &options).unwrap();
+        runs.store(0, Ordering::Relaxed);
+        let query = query.map_or_else(Query::new, |threads| Query::new().threads(threads));
+        tree.intersect_with(&rays, &mut vec![Hit::default(); rays.len()], query).unwrap();
+        assert_eq!(runs.load(Ordering::Relaxed), wanted, "{build} threads");
+    }
+}
+
 /// Counts bytes that are out, and may refuse or panic at one allocation.
 struct Ledger {
     out: Arc<AtomicUsize>,
-    left: AtomicUsize,
+    left: Arc<AtomicUsize>,
     panics: bool,
 }
 
@@ -260,6 +285,7 @@ unsafe impl Allocator for Ledger {
     unsafe fn release(&self, memory: *mut u8, bytes: usize) {
         self.out.fetch_sub(bytes, Ordering::Relaxed);
         unsafe { std::alloc::dealloc(memory, layout(bytes)) }
+        assert!(!self.panics, "swallowed");
     }
 }
 
@@ -268,8 +294,8 @@ fn every_byte_comes_back_also_where_allocations_fail() {
     let (positions, triangles) = terrain(10);
     let mesh = Mesh::new(&positions).indices(&triangles);
     let out = Arc::new(AtomicUsize::new(0));
-    let build = |left, panics| {
-        let ledger = Ledger { out: Arc::clone(&out), left: AtomicUsize::new(left), panics };
+    let build = |left: usize, panics| {
+        let ledger = Ledger { out: Arc::clone(&out), left: Arc::new(left.into()), panics };
         Tree::build(&mesh, &Options::new(Kind::AH).threads(1).allocator(ledger))
     };
     let tree = build(usize::MAX, false).unwrap();
@@ -285,6 +311,24 @@ fn every_byte_comes_back_also_where_allocations_fail() {
     }
     assert!(failures > 3);
     assert_eq!(out.load(Ordering::Relaxed), 0);
+}
+
+#[test]
+fn a_check_without_memory_says_so() {
+    let (positions, triangles) = terrain(10);
+    let mesh = Mesh::new(&positions).indices(&triangles);
+    for panics in [false, true] {
+        let (out, left) = (Arc::default(), Arc::new(AtomicUsize::new(usize::MAX)));
+        let ledger = Ledger { out, left: Arc::clone(&left), panics };
+        let tree = Tree::build(&mesh, &Options::default().allocator(ledger)).unwrap();
+        left.store(0, Ordering::Relaxed);
+        if panics {
+            assert_eq!(text_of_panic(|| tree.check()), "the purse is empty");
+        } else {
+            assert_eq!(tree.check().unwrap_err().kind(), ErrorKind::Memory);
+        }
+        tree.check().unwrap();
+    }
 }
 
 #[test]

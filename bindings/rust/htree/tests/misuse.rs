@@ -170,6 +170,15 @@ fn meshes_that_are_not_whole_are_refused() {
 }
 
 #[test]
+fn flags_add_up_and_go_away() {
+    let nan = [[f32::NAN; 3]; 3];
+    let mesh = Mesh::new(&nan);
+    let strict = Options::new(Kind::AH).strict(true).any_planes(true).loose_planes(true);
+    assert_eq!(code(Tree::build(&mesh, &strict)), ErrorKind::Geometry.code());
+    assert!(Tree::build(&mesh, &strict.loose_planes(false).strict(false)).is_ok());
+}
+
+#[test]
 fn a_stride_reads_no_further_than_the_slice() {
     // The last vertex has no room for a whole stride, and needs none.
     let floats = [0.0, 0.0, 0.0, 9.0, 1.0, 0.0, 0.0, 9.0, 0.0, 1.0, 0.0];

@@ -1,0 +1,82 @@
+/* bridge.c: structs with pointers, put together on C's stack, and callbacks that carry a handle.
+ *
+ * SPDX-License-Identifier: MIT */
+#include "bridge.h"
+#include "_cgo_export.h"
+
+/* ---- Callbacks into Go ---------------------------------------------------------------------- */
+
+static int32_t intersect_object(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
+    return htreeGoObject((uintptr_t)user, object, (htree_ray *)ray, hit);
+}
+
+static void run_tasks(void *user, uint32_t count, htree_go_task task, void *data) {
+    htreeGoTasks((uintptr_t)user, count, task, data);
+}
+
+static void *allocate(void *user, uint64_t bytes, uint64_t alignment) {
+    return htreeGoAllocate((uintptr_t)user, bytes, alignment);
+}
+
+static void release(void *user, void *memory, uint64_t bytes) {
+    htreeGoRelease((uintptr_t)user, memory, bytes);
+}
+
+static int32_t report_progress(void *user, double fraction) {
+    return htreeGoProgress((uintptr_t)user, fraction);
+}
+
+static htree_progress progress_of(uintptr_t handle) {
+    const htree_progress none = {NULL, NULL};
+    const htree_progress progress = {report_progress, (void *)handle};
+    return handle ? progress : none;
+}
+
+void htree_go_call(htree_go_task task, void *data, uint32_t index) {
+    task(data, index);
+}
+
+/* ---- Calls from Go -------------------------------------------------------------------------- */
+
+htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *positions,
+                            const uint32_t *indices, const htree_box *boxes, uint64_t box_count,
+                            const htree_options *options, uint32_t which, uintptr_t hooks,
+                            uintptr_t progress) {
+    if (!mesh || !options) return htree_build(out, mesh, options);
+    const htree_objects objects = {boxes, box_count, intersect_object, (void *)hooks};
+    htree_mesh whole = *mesh;
+    htree_options how = *options;
+    whole.positions = positions;
+    whole.indices = indices;
+    if (which & HTREE_GO_OBJECTS) whole.objects = &objects;
+    if (which & HTREE_GO_TASKS) {
+        const htree_tasks tasks = {run_tasks, (void *)hooks};
+        how.tasks = tasks;
+    }
+    if (which & HTREE_GO_ALLOCATOR) {
+        const htree_allocator allocator = {allocate, release, (void *)hooks};
+        how.allocator = allocator;
+    }
+    how.progress = progress_of(progress);
+    return htree_build(out, &whole, &how);
+}
+
+htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
+                                htree_hit *hits, const htree_query *query,
+                                htree_counters *counters, uintptr_t progress) {
+    if (!query) return htree_intersect(tree, rays, count, hits, NULL);
+    htree_query whole = *query;
+    whole.counters = counters;
+    whole.progress = progress_of(progress);
+    return htree_intersect(tree, rays, count, hits, &whole);
+}
+
+htree_status htree_go_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
+                               uint8_t *occluded, const htree_query *query,
+                               htree_counters *counters, uintptr_t progress) {
+    if (!query) return htree_occluded(tree, rays, count, occluded, NULL);
+    htree_query whole = *query;
+    whole.counters = counters;
+    whole.progress = progress_of(progress);
+    return htree_occluded(tree, rays, count, occluded, &whole);
+}

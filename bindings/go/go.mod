@@ -1,0 +1,3 @@
+module htree
+
+go 1.19

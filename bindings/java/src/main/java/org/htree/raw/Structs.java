@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: MIT
+package org.htree.raw;
+
+import com.sun.jna.Callback;
+import com.sun.jna.Pointer;
+import com.sun.jna.Structure;
+import com.sun.jna.Structure.FieldOrder;
+
+/** The structs and callbacks of {@code htree.h}, with the fields in their order. */
+public final class Structs {
+    private Structs() {}
+
+    // ---- Callbacks -----------------------------------------------------------------------------
+
+    /** {@code htree_object_intersect}. */
+    public interface ObjectIntersect extends Callback {
+        /**
+         * Intersects an object with a ray.
+         *
+         * @param user what {@link Objects#user} holds
+         * @param object number of the object
+         * @param ray the {@code htree_ray}
+         * @param hit the {@code htree_hit} to fill
+         * @return nonzero if the object is hit
+         */
+        int invoke(Pointer user, int object, Pointer ray, Pointer hit);
+    }
+
+    /** {@code htree_progress.report}. */
+    public interface Report extends Callback {
+        /**
+         * Reports progress.
+         *
+         * @param user what {@link Progress#user} holds
+         * @param fraction of the work that is done
+         * @return nonzero to cancel
+         */
+        int invoke(Pointer user, double fraction);
+    }
+
+    /** {@code htree_allocator.allocate}. */
+    public interface Allocate extends Callback {
+        /**
+         * Allocates memory.
+         *
+         * @param user what {@link Allocator#user} holds
+         * @param bytes how many
+         * @param alignment a power of two
+         * @return the memory, or null
+         */
+        Pointer invoke(Pointer user, long bytes, long alignment);
+    }
+
+    /** {@code htree_allocator.release}. */
+    public interface Release extends Callback {
+        /**
+         * Releases memory.
+         *
+         * @param user what {@link Allocator#user} holds
+         * @param memory from {@link Allocate}
+         * @param bytes as they were asked for
+         */
+        void invoke(Pointer user, Pointer memory, long bytes);
+    }
+
+    /** {@code htree_tasks.run}. */
+    public interface Run extends Callback {
+        /**
+         * Calls a task for every index.
+         *
+         * @param user what {@link Tasks#user} holds
+         * @param count of indices
+         * @param task the function to call as {@code task(data, index)}
+         * @param data its first argument
+         */
+        void invoke(Pointer user, int count, Pointer task, Pointer data);
+    }
+
+    // ---- Structs -------------------------------------------------------------------------------
+
+    /** {@code htree_box}. */
+    @FieldOrder({"lo", "hi"})
+    public static class Box extends Structure {
+        /** Least x, y, z. */
+        public float[] lo = new float[3];
+
+        /** Greatest x, y, z. */
+        public float[] hi = new float[3];
+
+        /** A zeroed struct. */
+        public Box() {}
+    }
+
+    /** {@code htree_objects}. */
+    @FieldOrder({"boxes", "count", "intersect", "user"})
+    public static class Objects extends Structure {
+        /** {@code count} boxes. */
+        public Pointer boxes;
+
+        /** Objects. */
+        public long count;
+
+        /** The test, which must stay reachable as long as the tree. */
+        public ObjectIntersect intersect;
+
+        /** Handed to {@code intersect}. */
+        public Pointer user;
+
+        /** A zeroed struct. */
+        public Objects() {}
+
+        /** By address. */
+        public static class ByReference extends Objects implements Structure.ByReference {
+            /** A zeroed struct. */
+            public ByReference() {}
+        }
+    }
+
+    /** {@code htree_mesh}. */
+    @FieldOrder({
+        "positions", "positionStride", "vertexCount", "indices", "triangleCount", "objects",
+        "reserved"
+    })
+    public static class Mesh extends Structure {
+        /** x y z of every vertex. */
+        public Pointer positions;
+
+        /** Bytes from vertex to vertex; 0 means 12. */
+        public long positionStride;
+
+        /** Vertices. */
+        public long vertexCount;
+
+        /** Three a triangle, or null. */
+        public Pointer indices;
+
+        /** Triangles. */
+        public long triangleCount;
+
+        /** Objects, or null. */
+        public Objects.ByReference objects;
+
+        /** Zero. */
+        public long[] reserved = new long[2];
+
+        /** A zeroed struct. */
+        public Mesh() {}
+    }
+
+    /** {@code htree_allocator}. */
+    @FieldOrder({"allocate", "release", "user"})
+    public static class Allocator extends Structure {
+        /** Gets memory. */
+        public Allocate allocate;
+
+        /** Gives it back. */
+        public Release release;
+
+        /** Handed to both. */
+        public Pointer user;
+
+        /** A zeroed struct. */
+        public Allocator() {}
+    }
+
+    /** {@code htree_tasks}. */
+    @FieldOrder({"run", "user"})
+    public static class Tasks extends Structure {
+        /** Parallel for. */
+        public Run run;
+
+        /** Handed to {@code run}. */
+        public Pointer user;
+
+        /** A zeroed struct. */
+        public Tasks() {}
+    }
+
+    /** {@code htree_progress}. */
+    @FieldOrder({"report", "user"})
+    public static class Progress extends Structure {
+        /** Gets the fraction. */
+        public Report report;
+
+        /** Handed to {@code report}. */
+        public Pointer user;
+
+        /** A zeroed struct. */
+        public Progress() {}
+    }
+
+    /** {@code htree_options}. */
+    @FieldOrder({
+        "size", "kind", "flags", "threads", "buckets", "axes", "costSkd", "costBv2", "costBv6",
+        "costIntersect", "cellsPerPrim", "fewPrims", "allocator", "tasks", "progress"
+    })
+    public static class Options extends Structure {
+        /** Bytes of the struct. */
+        public int size;
+
+        /** Kind of tree. */
+        public int kind;
+
+        /** {@code HTREE_STRICT}, ... */
+        public int flags;
+
+        /** Threads of queries. */
+        public int threads;
+
+        /** Buckets of the surface area heuristic. */
+        public int buckets;
+
+        /** Axes to try. */
+        public int axes;
+
+        /** Cost of two separating planes. */
+        public float costSkd;
+
+        /** Cost of two bounding planes. */
+        public float costBv2;
+
+        /** Cost of six bounding planes. */
+        public float costBv6;
+
+        /** Cost of an object test. */
+        public float costIntersect;
+
+        /** Cells of the grid for each object. */
+        public float cellsPerPrim;
+
+        /** Objects that the AH-tree hands to the H-tree. */
+        public int fewPrims;
+
+        /** Memory. */
+        public Allocator allocator;
+
+        /** Threads. */
+        public Tasks tasks;
+
+        /** Progress of the build. */
+        public Progress progress;
+
+        /** A zeroed struct. */
+        public Options() {}
+    }
+
+    /** {@code htree_query}. */
+    @FieldOrder({"size", "flags", "threads", "reserved", "counters", "progress"})
+    public static class Query extends Structure {
+        /** Bytes of the struct. */
+        public int size;
+
+        /** Zero. */
+        public int flags;
+
+        /** Threads of the query. */
+        public int threads;
+
+        /** Zero. */
+        public int reserved;
+
+        /** Sixteen bytes a ray, or null. */
+        public Pointer counters;
+
+        /** Progress of the query. */
+        public Progress progress;
+
+        /** A zeroed struct. */
+        public Query() {}
+    }
+
+    /** {@code htree_stats}. */
+    @FieldOrder({
+        "size", "kind", "triangles", "objects", "invalid", "degenerate", "nodes", "leaves",
+        "references", "skdNodes", "bv2Nodes", "bv6Nodes", "linkNodes", "bvoNodes", "ternaryNodes",
+        "depth", "stack", "bytes", "peakBytes", "buildSeconds", "sahCost"
+    })
+    public static class Stats extends Structure {
+        /** Bytes of the struct. */
+        public int size;
+
+        /** Kind of tree. */
+        public int kind;
+
+        /** Triangles as given. */
+        public long triangles;
+
+        /** Objects as given. */
+        public long objects;
+
+        /** Skipped for bad coordinates. */
+        public long invalid;
+
+        /** Skipped for lack of area. */
+        public long degenerate;
+
+        /** All nodes. */
+        public long nodes;
+
+        /** Leaves. */
+        public long leaves;
+
+        /** References from leaves to triangles and objects. */
+        public long references;
+
+        /** Nodes with two separating planes. */
+        public long skdNodes;
+
+        /** Nodes with two bounding planes. */
+        public long bv2Nodes;
+
+        /** Nodes with six bounding planes. */
+        public long bv6Nodes;
+
+        /** Links. */
+        public long linkNodes;
+
+        /** Nodes with another set of bounding planes. */
+        public long bvoNodes;
+
+        /** Nodes with a shelf of oversize objects. */
+        public long ternaryNodes;
+
+        /** Nodes from the root to the deepest leaf. */
+        public int depth;
+
+        /** Entries of the traversal stack. */
+        public int stack;
+
+        /** Memory of the tree. */
+        public long bytes;
+
+        /** Most memory held while building. */
+        public long peakBytes;
+
+        /** Wall-clock time of the build. */
+        public double buildSeconds;
+
+        /** Expected cost of a random ray. */
+        public double sahCost;
+
+        /** A zeroed struct. */
+        public Stats() {}
+    }
+
+    /** {@code htree_view}. */
+    @FieldOrder({
+        "size", "kind", "bounds", "prims", "triangleCount", "objectCount", "stack", "triangles",
+        "nodes", "nodeBytes", "leaves", "leafBytes", "grid", "gridBytes"
+    })
+    public static class View extends Structure {
+        /** Bytes of the struct. */
+        public int size;
+
+        /** Kind of tree. */
+        public int kind;
+
+        /** Bounds of what can be hit. */
+        public Box bounds;
+
+        /** What can be hit. */
+        public int prims;
+
+        /** Triangles of the mesh. */
+        public int triangleCount;
+
+        /** Objects of the mesh. */
+        public int objectCount;
+
+        /** Entries of the traversal stack. */
+        public int stack;
+
+        /** Nine floats a triangle. */
+        public Pointer triangles;
+
+        /** Nodes, root first. */
+        public Pointer nodes;
+
+        /** Their size. */
+        public long nodeBytes;
+
+        /** Leaves, or null. */
+        public Pointer leaves;
+
+        /** Their size. */
+        public long leafBytes;
+
+        /** Grid, or null. */
+        public Pointer grid;
+
+        /** Its size. */
+        public long gridBytes;
+
+        /** A zeroed struct. */
+        public View() {}
+    }
+}
