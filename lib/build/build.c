@@ -1,6 +1,6 @@
-/* build.c: htree_build: checks the mesh, copies what the tree keeps, and calls the kind's builder.
- */
+/* build.c: htree_build: options and mesh in, the kind's builder called, a finished tree out. */
 #include "build.h"
+#include "mesh.h"
 #include "options.h"
 #include "base/clock.h"
 
@@ -25,129 +25,6 @@ static ht_build *find_builder(htree_kind kind) {
         if (builders[i].kind == kind) return builders[i].build;
     }
     return NULL;
-}
-
-/* ---- The mesh ------------------------------------------------------------------------------- */
-
-static htree_status verify_mesh(const htree_mesh *mesh) {
-    const uint64_t stride = mesh->position_stride;
-    if (mesh->reserved[0] || mesh->reserved[1]) {
-        return ht_fail(HTREE_ERROR_ARGUMENT,
-                       "mesh.reserved must be 0: start from htree_mesh mesh = {0}");
-    }
-    if (stride && (stride < 12 || stride % 4)) {
-        return ht_fail(
-            HTREE_ERROR_ARGUMENT,
-            "mesh.position_stride is %llu: must be 0, or at least 12 and a multiple of 4",
-            (unsigned long long)stride);
-    }
-    if (mesh->triangle_count && !mesh->positions) {
-        return ht_fail(HTREE_ERROR_ARGUMENT,
-                       "mesh.positions is NULL but mesh.triangle_count is not 0");
-    }
-    if ((uintptr_t)mesh->positions % 4 || (uintptr_t)mesh->indices % 4) {
-        return ht_fail(HTREE_ERROR_ARGUMENT,
-                       "mesh.positions and mesh.indices must be aligned to 4 bytes");
-    }
-    if (mesh->objects && mesh->objects->count) {
-        if (!mesh->objects->boxes)
-            return ht_fail(HTREE_ERROR_ARGUMENT, "mesh.objects->boxes is NULL");
-        if (!mesh->objects->intersect) {
-            return ht_fail(HTREE_ERROR_ARGUMENT, "mesh.objects->intersect is NULL");
-        }
-    }
-    const uint64_t objects = mesh->objects ? mesh->objects->count : 0;
-    if (mesh->triangle_count >= HTREE_NONE || objects >= HTREE_NONE - mesh->triangle_count) {
-        return ht_fail(HTREE_ERROR_LIMIT, "a tree holds fewer than 2^32 - 1 triangles and objects");
-    }
-    if (mesh->vertex_count > UINT64_MAX / (stride ? stride : 12)) {
-        return ht_fail(HTREE_ERROR_ARGUMENT, "mesh.vertex_count times the stride exceeds 2^64");
-    }
-    if (!mesh->indices && mesh->triangle_count > mesh->vertex_count / 3) {
-        return ht_fail(HTREE_ERROR_GEOMETRY,
-                       "mesh.triangle_count needs three vertices a triangle where indices is NULL");
-    }
-    return HTREE_OK;
-}
-
-static bool is_in_range(const float *p) {
-    return ht_magnitude(p[0]) <= HTREE_COORDINATE_MAX &&
-           ht_magnitude(p[1]) <= HTREE_COORDINATE_MAX && ht_magnitude(p[2]) <= HTREE_COORDINATE_MAX;
-}
-
-/* A box without an order of its planes contains nothing. */
-static bool is_box_in_range(const htree_box *box) {
-    return is_in_range(box->lo) && is_in_range(box->hi) && box->lo[0] <= box->hi[0] &&
-           box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2];
-}
-
-static htree_status load_corners(const htree_mesh *mesh, uint32_t i, ht_triangle *triangle) {
-    const uint64_t stride = mesh->position_stride ? mesh->position_stride : 12;
-    for (uint64_t k = 0; k < 3; ++k) {
-        const uint64_t at = 3 * (uint64_t)i + k;
-        const uint64_t vertex = mesh->indices ? mesh->indices[at] : at;
-        if (HT_UNLIKELY(vertex >= mesh->vertex_count)) {
-            return ht_fail(HTREE_ERROR_GEOMETRY, "triangle %lu refers to vertex %llu of %llu",
-                           (unsigned long)i, (unsigned long long)vertex,
-                           (unsigned long long)mesh->vertex_count);
-        }
-        memcpy(triangle->v[k], (const char *)mesh->positions + vertex * stride, 12);
-    }
-    return HTREE_OK;
-}
-
-static void add_prim(ht_builder *builder, uint32_t id, const htree_box *box) {
-    ht_prim *prim = &builder->prims[builder->tree->prim_count++];
-    memcpy(prim->lo, box->lo, sizeof box->lo);
-    memcpy(prim->hi, box->hi, sizeof box->hi);
-    memcpy(&prim->lo[3], &id, sizeof id);
-    prim->hi[3] = 0;
-    ht_box_add(&builder->tree->bounds, box);
-}
-
-static htree_status skip_invalid(ht_builder *builder, const char *what, uint32_t index) {
-    if (builder->options->flags & HTREE_STRICT) {
-        return ht_fail(HTREE_ERROR_GEOMETRY,
-                       "%s %lu has a NaN, infinite or oversize coordinate, or lo > hi", what,
-                       (unsigned long)index);
-    }
-    ++builder->tree->invalid;
-    return HTREE_OK;
-}
-
-static htree_status add_triangles(ht_builder *builder, const htree_mesh *mesh) {
-    htree *tree = builder->tree;
-    for (uint32_t i = 0; i < tree->triangle_count; ++i) {
-        ht_triangle *triangle = &tree->triangles[i];
-        HT_TRY(load_corners(mesh, i, triangle));
-        if (is_in_range(triangle->v[0]) && is_in_range(triangle->v[1]) &&
-            is_in_range(triangle->v[2])) {
-            if (!ht_triangle_is_degenerate(triangle->v[0], triangle->v[1], triangle->v[2])) {
-                const htree_box box = ht_prim_box(tree, i);
-                add_prim(builder, i, &box);
-                continue;
-            }
-            ++tree->degenerate;
-        } else {
-            HT_TRY(skip_invalid(builder, "triangle", i));
-        }
-        memset(triangle, 0, sizeof *triangle);
-    }
-    return HTREE_OK;
-}
-
-static htree_status add_objects(ht_builder *builder, const htree_mesh *mesh) {
-    htree *tree = builder->tree;
-    for (uint32_t i = 0; i < tree->object_count; ++i) {
-        tree->object_boxes[i] = mesh->objects->boxes[i];
-        if (is_box_in_range(&tree->object_boxes[i])) {
-            add_prim(builder, tree->triangle_count + i, &tree->object_boxes[i]);
-        } else {
-            HT_TRY(skip_invalid(builder, "object", i));
-            tree->object_boxes[i] = ht_box_empty();
-        }
-    }
-    return HTREE_OK;
 }
 
 /* ---- The tree ------------------------------------------------------------------------------- */
@@ -186,8 +63,7 @@ ht_prim *ht_builder_spare(ht_builder *builder) {
 
 static htree_status run_builder(ht_builder *builder, const htree_mesh *mesh, ht_build *build) {
     htree *tree = builder->tree;
-    HT_TRY(add_triangles(builder, mesh));
-    HT_TRY(add_objects(builder, mesh));
+    HT_TRY(ht_load_mesh(builder, mesh));
     if (tree->prim_count == 0) return HTREE_OK;
     ht_progress_begin(&builder->progress, &builder->options->progress, tree->prim_count);
     const htree_status status = build(builder);
@@ -220,7 +96,7 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
     if (!mesh) return ht_fail(HTREE_ERROR_ARGUMENT, "mesh is NULL");
     htree_options options;
     HT_TRY(ht_options_read(given, &options));
-    HT_TRY(verify_mesh(mesh));
+    HT_TRY(ht_verify_mesh(mesh));
     ht_build *build = find_builder(options.kind);
     if (!build) {
         return ht_fail(HTREE_ERROR_UNSUPPORTED, "this version of the library cannot build kind %s",

@@ -1,0 +1,13 @@
+/* mesh.h: the caller's mesh: its check, and its way into a tree. */
+#ifndef HT_MESH_H
+#define HT_MESH_H
+
+#include "build.h"
+
+htree_status ht_verify_mesh(const htree_mesh *mesh);
+
+/* Copies triangles and boxes of objects into the tree, and what can be hit into builder->prims, in
+ * order of id; sets the tree's bounds and counts. On all cores. */
+htree_status ht_load_mesh(ht_builder *builder, const htree_mesh *mesh);
+
+#endif
