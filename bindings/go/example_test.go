@@ -114,7 +114,7 @@ func ExampleTree_View() {
 	})
 	fmt.Println(err)
 	// Output:
-	// h 2 [0 0 0 1 0 0 1 1 0]
+	// wide 2 [0 0 0 1 0 0 1 1 0]
 	// <nil>
 }
 

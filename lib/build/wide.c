@@ -247,9 +247,12 @@ static void run_group(void *data, uint32_t index) {
 static void copy_part(const wide_build *build, const ht_wide_part *part, uint32_t node_base,
                       uint32_t leaf_base) {
     ht_wide_node *nodes = build->nodes + node_base;
-    memcpy(nodes, part->nodes.items, part->nodes.count * sizeof *nodes);
-    memcpy(build->leaves + leaf_base, part->leaves.items,
-           part->leaves.count * sizeof *build->leaves);
+    /* A part of one leaf has no nodes: memcpy takes no NULL, not even for no bytes. */
+    if (part->nodes.count) memcpy(nodes, part->nodes.items, part->nodes.count * sizeof *nodes);
+    if (part->leaves.count) {
+        memcpy(build->leaves + leaf_base, part->leaves.items,
+               part->leaves.count * sizeof *build->leaves);
+    }
     for (uint64_t i = 0; i < part->nodes.count; ++i) {
         for (uint32_t k = 0; k < HT_LANES; ++k) {
             uint32_t *child = &nodes[i].child[k];

@@ -78,6 +78,14 @@ HT_INLINE bool ht_keep_nearer(htree_hit *hit, const htree_hit *found, uint32_t p
     return true;
 }
 
+/* Whether the ray meets the box of an object: leaves of several ask before they call. */
+HT_INLINE bool ht_meets_object(const htree *tree, uint32_t prim, const ht_ray *r, float tfar) {
+    const htree_box *box = &tree->object_boxes[prim - tree->triangle_count];
+    float tnear = r->tnear;
+    ht_ray_clip_box(r, box->lo, box->hi, &tnear, &tfar);
+    return tnear <= tfar;
+}
+
 /* Tests one prim and keeps the minimum of (t, prim) in *hit; returns whether the prim was hit at
  * all. */
 HT_INLINE bool ht_intersect_prim(const htree *tree, uint32_t prim, const htree_ray *ray,

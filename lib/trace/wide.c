@@ -76,6 +76,7 @@ HT_INLINE bool intersect_leaf(const htree *tree, const ht_wide_leaf *leaf, const
         ht_keep_nearer(hit, &found, leaf->prim[i]);
     }
     for (uint32_t i = triangles; i < leaf->count; ++i) {
+        if (!ht_meets_object(tree, leaf->prim[i], r, hit->t)) continue;
         if (ht_intersect_prim(tree, leaf->prim[i], ray, r, hit) && any) return true;
     }
     return false;

@@ -116,9 +116,8 @@ test('every kind has its name and number', () => {
 
 test('defaults are the library\'s', () => {
     const best = HTree.defaults({ kind: 'best' });
-    assert.equal(best.kind, 'h');
-    assert.equal(best.axes, 3);
-    assert.equal(best.buckets, 32);
+    assert.equal(best.kind, 'wide');
+    assert.equal(best.buckets, 64);
     assert.deepEqual(HTree.defaults(), HTree.defaults({ kind: 'balanced' }));
 });
 
@@ -154,7 +153,7 @@ test('a view is a copy that outlives the tree', () => {
     tree.close();
     const { kind, prims, triangleCount, objectCount, bounds } = view;
     assert.deepEqual({ kind, prims, triangleCount, objectCount, bounds }, {
-        kind: 'h',
+        kind: 'wide',
         prims: 4,
         triangleCount: 4,
         objectCount: 0,

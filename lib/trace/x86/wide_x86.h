@@ -98,6 +98,7 @@ HT_TARGET HT_INLINE void take_lane(const ht_wide_leaf *leaf, uint32_t corner, ui
 HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf, stream *s,
                                      bool any) {
     for (uint32_t i = leaf->count - leaf->objects; i < leaf->count; ++i) {
+        if (!ht_meets_object(tree, leaf->prim[i], &s->r, s->hit.t)) continue;
         if (ht_intersect_prim(tree, leaf->prim[i], s->ray, &s->r, &s->hit) && any) return true;
     }
     return false;

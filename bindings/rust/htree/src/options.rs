@@ -155,7 +155,7 @@ impl Options {
     ///
     /// ```
     /// let options = htree::Options::new(htree::Kind::FAST);
-    /// assert_eq!(options.kind(), htree::Kind::AH);
+    /// assert_eq!(options.kind(), htree::Kind::WIDE);
     /// ```
     pub fn new(kind: Kind) -> Self {
         let mut raw = MaybeUninit::<sys::htree_options>::zeroed();
@@ -171,7 +171,7 @@ impl Options {
     /// The structure that will be built: a preset stands for one of them.
     ///
     /// ```
-    /// assert_eq!(htree::Options::default().kind(), htree::Kind::H);
+    /// assert_eq!(htree::Options::default().kind(), htree::Kind::WIDE);
     /// ```
     pub fn kind(&self) -> Kind {
         Kind(self.raw.kind)

@@ -76,9 +76,8 @@ class HTreeTest {
     @Test
     void defaultsAreTheLibrarys() {
         Options options = Options.of(Kind.BEST);
-        assertEquals(Kind.H, options.kind());
-        assertEquals(3, options.axes());
-        assertEquals(32, options.buckets());
+        assertEquals(Kind.WIDE, options.kind());
+        assertEquals(64, options.buckets());
         assertEquals(1.2f, options.costBv6());
         assertEquals(options, options.toBuilder().build());
         assertNotEquals(options, options.toBuilder().strict(true).build());
@@ -133,7 +132,7 @@ class HTreeTest {
         HTree tree = HTree.build(Fixtures.tetrahedron());
         View view = tree.view();
         tree.close();
-        assertEquals(Kind.H, view.kind());
+        assertEquals(Kind.WIDE, view.kind());
         assertEquals(4, view.triangleCount());
         assertEquals(4, view.prims());
         assertEquals(0, view.objectCount());
