@@ -11,6 +11,7 @@ CC ?= cc
 INSTALL ?= install
 PKG_CONFIG ?= pkg-config
 CLANG_FORMAT ?= clang-format
+CLANG ?= clang
 
 # ---- Flags: ours first, the user's CFLAGS CPPFLAGS LDFLAGS after them and never changed -----------
 WARN := -pedantic -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wc++-compat
@@ -44,6 +45,7 @@ HAVE_PNG := $(call have,libpng)
 HAVE_ASSIMP := $(call have,assimp)
 HAVE_WEBP := $(call have,libwebpmux)
 HAVE_CMOCKA := $(call have,cmocka)
+HAVE_CLANG := $(shell command -v $(CLANG) >/dev/null && echo yes)
 HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VERSION=120 -E - >/dev/null 2>&1 && echo yes)
 HAVE_EMBREE := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
 
@@ -53,7 +55,8 @@ PARTS := mesh picture program bart animate table1 visibility
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
 BENCH_SRC := $(sort $(wildcard examples/bench/*.c))
 PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS) bench)
-TEST_CL_SRC := $(if $(HAVE_OPENCL),$(sort $(wildcard tests/test_cl*.c)))
+MOCK_TEST_SRC := $(patsubst %,tests/test_cl_%.c,arguments devices faults threads)
+TEST_CL_SRC := $(if $(HAVE_OPENCL),$(filter-out $(MOCK_TEST_SRC),$(sort $(wildcard tests/test_cl*.c))))
 TEST_CL_COMMON_SRC := tests/common/cl_suite.c
 TEST_COMMON_SRC := $(filter-out $(TEST_CL_COMMON_SRC),$(sort $(wildcard tests/common/*.c)))
 TEST_SRC := $(filter-out $(wildcard tests/test_cl*.c),$(sort $(wildcard tests/test_*.c)))
@@ -80,7 +83,12 @@ PROGRAMS += $(B)/htree-table1 $(B)/htree-visibility
 PROGRAMS += $(B)/htree-animate $(B)/htree-bench
 endif
 CL_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_CL_SRC))
-TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC)) $(CL_TESTS)
+ifeq ($(HAVE_OPENCL)$(HAVE_CLANG),yesyes)
+MOCK := $(B)/tests/mock/libOpenCL.so.1
+MOCK_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(MOCK_TEST_SRC))
+endif
+TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SRC)) $(CL_TESTS) $(MOCK_TESTS) \
+    $(if $(HAVE_OPENCL),$(B)/tests/cl_compare)
 
 .DEFAULT_GOAL := all
 .SUFFIXES:
@@ -140,7 +148,7 @@ $(B)/examples/%.o: examples/%.c Makefile
 $(B)/tests/%.o: tests/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib $(PART_CPP) -Itests/common \
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib $(PART_CPP) -Itests/common -Itests/mock \
 	    $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # ---- Link -----------------------------------------------------------------------------------------
@@ -187,7 +195,39 @@ TEST_EXAMPLE_SRC := $(sort $(wildcard examples/bart/*.c)) examples/picture/camer
 $(CL_TESTS): $(B)/tests/%: $(B)/tests/%.o $(call obj,$(TEST_CL_COMMON_SRC)) \
     $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(CL_STATIC) $(STATIC)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread -ldl
+	$(Q)$(CC) $(LINK) -o $@ $(filter %.o %.a,$^) -lcmocka -lm -lpthread -ldl
+
+# The mock is the OpenCL of the programs that link it: whoever opens libOpenCL.so.1 by that name gets what
+# is loaded already. Its kernels are those of cl/, compiled for this machine.
+MOCK_KERNEL_FLAGS := -O2
+ifeq ($(config),sanitize)
+MOCK_KERNEL_FLAGS := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all
+endif
+$(B)/tests/mock/kernels.o: tests/mock/kernels.sh tests/mock/mock_inner.h tests/mock/mock_cl.h \
+    lib/tree/layout.h cl/common.cl $(KERNELS:%=cl/%.cl)
+	$(call say,KERNELS,$@)
+	@mkdir -p $(@D)
+	$(Q)sh tests/mock/kernels.sh $@ $(CLANG) "$(MOCK_KERNEL_FLAGS)" $(KERNELS)
+
+$(B)/tests/mock/libOpenCL.so.1: $(call obj,$(sort $(wildcard tests/mock/mock_*.c))) $(B)/tests/mock/kernels.o
+	$(call say,LINK,$@)
+	$(Q)$(CC) -shared -Wl,-soname,$(@F) $(LINK) -o $@ $^ -lm -lpthread
+
+$(B)/tests/mock/lacking/libOpenCL.so.1: $(B)/tests/mock/lacking.o
+	$(call say,LINK,$@)
+	@mkdir -p $(@D)
+	$(Q)$(CC) -shared -Wl,-soname,$(@F) -o $@ $^
+$(B)/tests/test_cl_processes: $(B)/tests/mock/lacking/libOpenCL.so.1
+
+$(B)/tests/cl_compare: $(B)/tests/cl_compare.o $(call obj,$(TEST_CL_COMMON_SRC)) \
+    $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(CL_STATIC) $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -Wl,--wrap=ht_cl_prove -o $@ $^ -lcmocka -lm -lpthread -ldl
+
+$(MOCK_TESTS): $(B)/tests/%: $(B)/tests/%.o $(call obj,$(patsubst %,tests/mock/%.c,rig bench memo)) \
+    $(call obj,$(TEST_CL_COMMON_SRC) $(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(CL_STATIC) $(STATIC) $(MOCK)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -Wl,-rpath,'$$ORIGIN/mock' -Wl,--wrap=htree_intersect -o $@ $^ -lcmocka -lm -lpthread -ldl
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
@@ -222,6 +262,10 @@ tests: $(TESTS) ## build the test programs
 ifneq ($(HAVE_CMOCKA),yes)
 	@echo "error: the tests need cmocka (make deps, or apt-get install libcmocka-dev)" && exit 1
 endif
+ifneq ($(HAVE_OPENCL)$(HAVE_CLANG),yesyes)
+	@echo "skipped $(MOCK_TEST_SRC:tests/%.c=%): they need clang and opencl-headers (apt-get install both)"
+	@test "$$HTREE_REQUIRE_ALL" != 1
+endif
 
 test: all tests ## run the test programs of this config
 	$(Q)sh tests/run.sh $(config)
@@ -230,7 +274,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan house
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind house
 
 layers: ## check the include law and the map of lib/README.md
 	$(Q)sh tests/layers.sh
