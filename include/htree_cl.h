@@ -16,8 +16,9 @@
  *
  * Threads. Any number of threads may use one device and one tree.
  *
- * Errors are those of htree.h, with the text and the raw OpenCL code of the last call of this header
- * that failed on the calling thread. On failure an out-pointer is NULL.
+ * Errors are those of htree.h, with the text and the raw OpenCL code of what went wrong last on the
+ * calling thread in a call of this header, be it that a second try helped. On failure an
+ * out-pointer is NULL.
  *
  * SPDX-License-Identifier: MIT */
 #ifndef HTREE_CL_HEADER
@@ -72,10 +73,12 @@ typedef struct htree_cl_info {
     double compile_seconds; /* spent in compiling and proving kernels */
 } htree_cl_info;
 
-/* The number of devices of all platforms. Errors: ARGUMENT, NO_DEVICE if there is no OpenCL. */
+/* The number of devices of all platforms, at least 1.
+ * Errors     ARGUMENT; NO_DEVICE: no OpenCL, or no device; MEMORY, DEVICE, DEVICE_LOST. */
 HTREE_API htree_status htree_cl_get_device_count(uint32_t *count);
 
-/* What is known of device `index` without opening it. Errors: ARGUMENT, NO_DEVICE, DEVICE. */
+/* What is known of device `index` without opening it.
+ * Errors     ARGUMENT, NO_DEVICE, MEMORY, DEVICE, DEVICE_LOST. */
 HTREE_API htree_status htree_cl_get_device_info(uint32_t index, htree_cl_info *info);
 
 /* Flags of htree_cl_options. */

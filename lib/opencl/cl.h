@@ -13,18 +13,17 @@
 
 /* ---- Entry points --------------------------------------------------------------------------- */
 
+/* clang-format off */
 #define HT_CL_FUNCTIONS(f)                                                                         \
-    f(GetPlatformIDs) f(GetPlatformInfo) f(GetDeviceIDs) f(GetDeviceInfo) f(CreateContext)         \
-        f(RetainContext) f(ReleaseContext) f(GetContextInfo) f(CreateCommandQueue)                 \
-            f(RetainCommandQueue) f(ReleaseCommandQueue) f(GetCommandQueueInfo)                    \
-                f(CreateProgramWithSource) f(BuildProgram) f(GetProgramBuildInfo)                  \
-                    f(ReleaseProgram) f(CreateKernel) f(ReleaseKernel) f(SetKernelArg)             \
-                        f(GetKernelWorkGroupInfo) f(CreateBuffer) f(ReleaseMemObject)              \
-                            f(GetMemObjectInfo) f(EnqueueWriteBuffer) f(EnqueueReadBuffer)         \
-                                f(EnqueueMapBuffer) f(EnqueueUnmapMemObject)                       \
-                                    f(EnqueueNDRangeKernel) f(WaitForEvents)                       \
-                                        f(GetEventProfilingInfo) f(ReleaseEvent) f(Flush)          \
-                                            f(Finish)
+    f(GetPlatformIDs) f(GetPlatformInfo) f(GetDeviceIDs) f(GetDeviceInfo)                          \
+    f(CreateContext) f(RetainContext) f(ReleaseContext)                                            \
+    f(CreateCommandQueue) f(RetainCommandQueue) f(ReleaseCommandQueue) f(GetCommandQueueInfo)      \
+    f(CreateProgramWithSource) f(BuildProgram) f(GetProgramBuildInfo) f(ReleaseProgram)            \
+    f(CreateKernel) f(ReleaseKernel) f(SetKernelArg) f(GetKernelWorkGroupInfo)                     \
+    f(CreateBuffer) f(ReleaseMemObject) f(GetMemObjectInfo)                                        \
+    f(EnqueueWriteBuffer) f(EnqueueReadBuffer) f(EnqueueMapBuffer) f(EnqueueUnmapMemObject)        \
+    f(EnqueueNDRangeKernel) f(WaitForEvents) f(GetEventProfilingInfo) f(ReleaseEvent) f(Finish)
+/* clang-format on */
 
 typedef struct ht_cl_api {
 #define HT_CL_POINTER(name) __typeof__(&cl##name) name;

@@ -64,7 +64,11 @@ static htree_status build_program(htree_cl *device, ht_cl_file file, uint32_t st
     HT_TRY(ht_cl_call(device, code, "clCreateProgramWithSource"));
     code = api->BuildProgram(*out, 1, &device->id, options, NULL, NULL);
     keep_log(device, *out);
-    return ht_cl_call(device, code, "clBuildProgram");
+    const htree_status status = ht_cl_call(device, code, "clBuildProgram");
+    if (code != CL_BUILD_PROGRAM_FAILURE) return status;
+    /* Where a device cannot be opened, nobody can ask it for its log. */
+    return ht_cl_fail(status, code, "clBuildProgram: %s refused a kernel (%ld): %.300s",
+                      device->info.device, (long)code, htree_cl_build_log(device));
 }
 
 /* ---- Kernels -------------------------------------------------------------------------------- */
