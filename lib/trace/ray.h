@@ -76,17 +76,23 @@ HT_INLINE bool ht_ray_init(ht_ray *r, const htree_ray *ray, const htree_box *bou
         const float pad =
             ht_max(HT_RAY_PAD * reach + HT_RAY_ROUND * ht_magnitude(ray->org[i]), FLT_MIN);
         const float size = ht_max(tiny, ht_magnitude(ray->dir[i]));
-        const bool negative = ray->dir[i] < 0;
+        /* By numbers: signs are as good as random, and branches would be too. */
+        const uint32_t negative = ray->dir[i] < 0;
+        const float sign = 1 - 2 * (float)negative;
         r->negative[i] = negative;
-        r->rdir[i] = 1 / (negative ? -size : size);
-        r->entry[i] = negative ? ray->org[i] - pad : ray->org[i] + pad;
-        r->exit[i] = negative ? ray->org[i] + pad : ray->org[i] - pad;
+        r->rdir[i] = 1 / (sign * size);
+        r->entry[i] = ray->org[i] + sign * pad;
+        r->exit[i] = ray->org[i] - sign * pad;
     }
     r->reach = reach;
     r->tmin = ray->tmin;
     r->tnear = ray->tmin;
     r->tfar = ray->tmax;
-    ht_ray_clip_box(r, bounds->lo, bounds->hi, &r->tnear, &r->tfar);
+    for (uint32_t i = 0; i < 3; ++i) {
+        const float planes[2] = {bounds->lo[i], bounds->hi[i]};
+        r->tnear = ht_max(r->tnear, ht_ray_entry(r, i, planes[r->negative[i]]));
+        r->tfar = ht_min(r->tfar, ht_ray_exit(r, i, planes[1 - r->negative[i]]));
+    }
     return r->tnear <= r->tfar;
 }
 

@@ -39,9 +39,12 @@ HT_INLINE bool ht_shear_init(ht_shear *s, const htree_ray *ray) {
                        z <= limit && (x >= 1 / limit || y >= 1 / limit || z >= 1 / limit) &&
                        ray->tmin <= ray->tmax;
     if (HT_UNLIKELY(!valid)) return false;
-    s->kz = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
-    s->kx = s->kz == 2 ? 0 : s->kz + 1;
-    s->ky = s->kx == 2 ? 0 : s->kx + 1;
+    /* By numbers: which axis is the largest is as good as random, and branches would be too. */
+    static const uint8_t next[3] = {1, 2, 0};
+    const uint32_t y_over_x = y > x, z_over_both = (z > x) & (z > y);
+    s->kz = y_over_x + (2 - y_over_x) * z_over_both;
+    s->kx = next[s->kz];
+    s->ky = next[s->kx];
     s->sx = ray->dir[s->kx] / ray->dir[s->kz];
     s->sy = ray->dir[s->ky] / ray->dir[s->kz];
     s->dz = (double)ray->dir[s->kz];
