@@ -40,7 +40,7 @@ static void print_builds(FILE *out, const duel *d, uint64_t triangles) {
     }
     if (device)
         fprintf(out,
-                "  upload: until the kernel is proved; compile: compiling and proving, of that\n");
+                "  upload: until the kernel is proved; compile: what of it compiling and proving took\n");
 }
 
 /* ---- Rays ----------------------------------------------------------------------------------- */
