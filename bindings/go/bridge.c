@@ -62,8 +62,8 @@ htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *po
 }
 
 htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
-                                htree_hit *hits, const htree_query *query,
-                                htree_counters *counters, uintptr_t progress) {
+                                htree_hit *hits, const htree_query *query, htree_counters *counters,
+                                uintptr_t progress) {
     if (!query) return htree_intersect(tree, rays, count, hits, NULL);
     htree_query whole = *query;
     whole.counters = counters;

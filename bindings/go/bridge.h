@@ -17,8 +17,8 @@ htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *po
                             uintptr_t progress);
 
 htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
-                                htree_hit *hits, const htree_query *query,
-                                htree_counters *counters, uintptr_t progress);
+                                htree_hit *hits, const htree_query *query, htree_counters *counters,
+                                uintptr_t progress);
 
 htree_status htree_go_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
                                uint8_t *occluded, const htree_query *query,

@@ -39,8 +39,8 @@ static void print_builds(FILE *out, const duel *d, uint64_t triangles) {
         fputc('\n', out);
     }
     if (device)
-        fprintf(out,
-                "  upload: until the kernel is proved; compile: what of it compiling and proving took\n");
+        fprintf(out, "  upload: until the kernel is proved; compile: what of it compiling and "
+                     "proving took\n");
 }
 
 /* ---- Rays ----------------------------------------------------------------------------------- */
