@@ -89,29 +89,16 @@ static const struct option long_options[] = {
 /* ---- Values --------------------------------------------------------------------------------- */
 
 static scene_wish *next_scene(bench_args *out) {
-    if (out->scene_count < BENCH_MAX_SCENES) return &out->scenes[out->scene_count++];
-    option_wrong(program, "more than %d scenes", BENCH_MAX_SCENES);
-    return NULL;
+    return bench_scene_next(program, out->scenes, &out->scene_count, BENCH_MAX_SCENES);
 }
 
 static bool take_scene(bench_args *out, const char *text) {
-    scene_wish *wish = next_scene(out);
-    return wish && (bench_scene_parse(wish, text) ||
-                    option_wrong(program,
-                                 "--scene %s: no such scene; htree-render --list-scenes prints the "
-                                 "built-in ones",
-                                 text));
+    return bench_scene_add(program, text, out->scenes, &out->scene_count, BENCH_MAX_SCENES);
 }
 
 static bool take_kind(void *user, const char *name) {
     bench_args *out = (bench_args *)user;
-    htree_kind kind;
-    if (!option_kind(program, "kind", name, &kind)) return false;
-    for (uint32_t i = 0; i < out->kind_count; ++i)
-        if (out->kinds[i] == kind) return true;
-    if (out->kind_count == DUEL_MAX_KINDS) return option_wrong(program, "too many kinds");
-    out->kinds[out->kind_count++] = kind;
-    return true;
+    return option_kind_add(program, "kind", name, out->kinds, &out->kind_count, DUEL_MAX_KINDS);
 }
 
 static bool take_peer(void *user, const char *name) {

@@ -70,6 +70,17 @@ bool option_kind(const char *program, const char *option, const char *text, htre
     return option_wrong(program, "--%s %s: no such structure; choose from%s", option, text, known);
 }
 
+bool option_kind_add(const char *program, const char *option, const char *text, htree_kind *kinds,
+                     uint32_t *count, uint32_t most) {
+    htree_kind kind;
+    if (!option_kind(program, option, text, &kind)) return false;
+    for (uint32_t i = 0; i < *count; ++i)
+        if (kinds[i] == kind) return true;
+    if (*count == most) return option_wrong(program, "more than %u structures", most);
+    kinds[(*count)++] = kind;
+    return true;
+}
+
 bool option_list(const char *program, const char *option, const char *text,
                  bool (*take)(void *user, const char *name), void *user) {
     char word[64];

@@ -24,6 +24,10 @@ bool option_size(const char *program, const char *text, uint32_t *width, uint32_
 /* The value of --kind or --method, the name of a structure. */
 bool option_kind(const char *program, const char *option, const char *text, htree_kind *kind);
 
+/* The same into a list that holds each kind once. */
+bool option_kind_add(const char *program, const char *option, const char *text, htree_kind *kinds,
+                     uint32_t *count, uint32_t most);
+
 /* The value of --`option`, names with commas between them: calls `take` with each, up to the first
  * that it refuses. */
 bool option_list(const char *program, const char *option, const char *text,

@@ -60,6 +60,30 @@ bool bench_scene_parse(scene_wish *wish, const char *text) {
     return option_shape(text, wish->name, &wish->triangles);
 }
 
+scene_wish *bench_scene_next(const char *program, scene_wish *scenes, uint32_t *count,
+                             uint32_t most) {
+    if (*count < most) return &scenes[(*count)++];
+    option_wrong(program, "more than %u scenes", most);
+    return NULL;
+}
+
+bool bench_scene_add(const char *program, const char *text, scene_wish *scenes, uint32_t *count,
+                     uint32_t most) {
+    scene_wish *wish = bench_scene_next(program, scenes, count, most);
+    if (!wish) return false;
+    if (bench_scene_parse(wish, text)) return true;
+    char known[256] = "";
+    for (uint32_t i = 0; bench_scene_name(i); ++i) {
+        const size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, " %s", bench_scene_name(i));
+    }
+    for (const char *const *name = shape_names(); *name; ++name) {
+        const size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, " %s", *name);
+    }
+    return option_wrong(program, "--scene %s: no such scene; choose from%s", text, known);
+}
+
 /* ---- Opening -------------------------------------------------------------------------------- */
 
 static bool fail(char *error, size_t size, const char *text) {

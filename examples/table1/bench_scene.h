@@ -32,6 +32,14 @@ const char *bench_scene_name(uint32_t index);
 /* Reads "NAME" of the catalogue, or a built-in scene "NAME[:N]". */
 bool bench_scene_parse(scene_wish *wish, const char *text);
 
+/* A place for one more scene; NULL, after a line on stderr, where there are `most`. */
+scene_wish *bench_scene_next(const char *program, scene_wish *scenes, uint32_t *count,
+                             uint32_t most);
+
+/* The value of --scene, as one scene more. */
+bool bench_scene_add(const char *program, const char *text, scene_wish *scenes, uint32_t *count,
+                     uint32_t most);
+
 /* Loads or makes the mesh, and subdivides meshes from paths `levels` times. Catalogue scenes whose
  * file is not in `folder` become built-in scenes of the same size, and the note says so. `view` is
  * for meshes and shapes; the catalogue knows its own, which NULL asks for where a mesh has the name

@@ -88,25 +88,11 @@ static const struct option long_options[] = {
 /* ---- Values --------------------------------------------------------------------------------- */
 
 static scene_wish *next_scene(table1_args *out) {
-    if (out->scene_count < TABLE1_MAX_SCENES) return &out->scenes[out->scene_count++];
-    option_wrong(program, "more than %d scenes", TABLE1_MAX_SCENES);
-    return NULL;
+    return bench_scene_next(program, out->scenes, &out->scene_count, TABLE1_MAX_SCENES);
 }
 
 static bool take_scene(table1_args *out, const char *text) {
-    scene_wish *wish = next_scene(out);
-    if (!wish) return false;
-    if (bench_scene_parse(wish, text)) return true;
-    char known[256] = "";
-    for (uint32_t i = 0; bench_scene_name(i); ++i) {
-        const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, " %s", bench_scene_name(i));
-    }
-    for (const char *const *name = shape_names(); *name; ++name) {
-        const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, " %s", *name);
-    }
-    return option_wrong(program, "--scene %s: no such scene; choose from%s", text, known);
+    return bench_scene_add(program, text, out->scenes, &out->scene_count, TABLE1_MAX_SCENES);
 }
 
 static bool take_growth_scene(void *user, const char *name) {
@@ -119,13 +105,7 @@ static bool take_growth_scene(void *user, const char *name) {
 
 static bool take_method(void *user, const char *name) {
     table1_args *out = (table1_args *)user;
-    htree_kind kind;
-    if (!option_kind(program, "method", name, &kind)) return false;
-    for (uint32_t i = 0; i < out->kind_count; ++i)
-        if (out->kinds[i] == kind) return true;
-    if (out->kind_count == TABLE1_MAX_KINDS) return false;
-    out->kinds[out->kind_count++] = kind;
-    return true;
+    return option_kind_add(program, "method", name, out->kinds, &out->kind_count, TABLE1_MAX_KINDS);
 }
 
 static bool take_triangles(const char *option, const char *text, uint64_t *value) {
