@@ -24,4 +24,20 @@ HT_INLINE htree_status ht_sized_read(void *known_struct, uint64_t known, uint64_
     return HTREE_OK;
 }
 
+/* For a struct that a call fills: the caller has set its size. */
+HT_INLINE htree_status ht_sized_verify(uint32_t size, uint64_t first_version, const char *what) {
+    if (size >= first_version && size <= 65536) return HTREE_OK;
+    return ht_fail(HTREE_ERROR_ARGUMENT, "%s.size is %lu: set it to sizeof(htree_%s)", what,
+                   (unsigned long)size, what);
+}
+
+/* Fills it with as much of the `known` bytes as it holds, and with zeros; its size stays. */
+HT_INLINE void ht_sized_write(void *out, const void *known_struct, uint64_t known) {
+    uint32_t size;
+    memcpy(&size, out, sizeof size);
+    memset(out, 0, size);
+    memcpy(out, known_struct, (size_t)(size < known ? size : known));
+    memcpy(out, &size, sizeof size);
+}
+
 #endif

@@ -46,6 +46,12 @@ typedef struct ht_builder {
  * recorded. */
 ht_prim *ht_builder_spare(ht_builder *builder);
 
+/* Runs the tasks on the threads of the build. */
+HT_INLINE void ht_builder_run(const ht_builder *builder, uint32_t count, ht_task *task,
+                              void *data) {
+    ht_parallel_for(&builder->options->tasks, builder->options->threads, count, task, data);
+}
+
 typedef htree_status ht_build(ht_builder *builder);
 
 /* One function per kind: the rows of the table in build.c. */

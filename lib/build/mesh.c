@@ -185,7 +185,7 @@ static htree_status load_triangles(ht_builder *builder, const htree_mesh *mesh) 
                              0};
         l.part[k] = empty;
     }
-    ht_parallel_for(&builder->options->tasks, builder->options->threads, l.chunks, load_chunk, &l);
+    ht_builder_run(builder, l.chunks, load_chunk, &l);
     return join_chunks(&l);
 }
 

@@ -292,7 +292,7 @@ static htree_status join_parts(wide_build *build) {
         (ht_wide_leaf *)ht_allocate(&tree->memory, leaves * sizeof *build->leaves);
     if (!build->nodes || !build->leaves) return HTREE_ERROR_MEMORY;
     if (build->top.nodes.count) copy_part(build, &build->top, 0, 0);
-    ht_parallel_for(&tree->tasks, tree->threads, build->group_count, copy_group, build);
+    ht_builder_run(build->builder, build->group_count, copy_group, build);
     return HTREE_OK;
 }
 
@@ -315,8 +315,7 @@ static htree_status build_from_cells(wide_build *build) {
     htree_status status = build_top(build, &cells);
     if (status == HTREE_OK) {
         group_errands(build);
-        ht_parallel_for(&builder->options->tasks, builder->options->threads, build->group_count,
-                        run_group, build);
+        ht_builder_run(builder, build->group_count, run_group, build);
         status = status_of_groups(build);
     }
     ht_wide_cells_end(&cells, builder);

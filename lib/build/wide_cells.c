@@ -63,10 +63,6 @@ static void scatter_chunk(void *data, uint32_t chunk) {
         s->builder->spare[next[s->cell_of[i]]++] = s->builder->prims[i];
 }
 
-static void parallel(const ht_builder *builder, uint32_t count, ht_task *task, void *data) {
-    ht_parallel_for(&builder->options->tasks, builder->options->threads, count, task, data);
-}
-
 /* Turns counts into places, cell by cell and chunk by chunk, and lists the cells that hold any. */
 static void list_cells(sorting *s, ht_wide_cells *out) {
     uint32_t place = 0;
@@ -118,14 +114,13 @@ static void shape_grid(sorting *s) {
     s->total = s->cells[0] * s->cells[1] * s->cells[2];
 }
 
-static htree_status sort_prims(sorting *s, ht_wide_cells *out) {
+static void sort_prims(sorting *s, ht_wide_cells *out) {
     ht_builder *builder = s->builder;
     boxing b = {builder->spare, out};
-    parallel(builder, CHUNKS, count_chunk, s);
+    ht_builder_run(builder, CHUNKS, count_chunk, s);
     list_cells(s, out);
-    parallel(builder, CHUNKS, scatter_chunk, s);
-    parallel(builder, CHUNKS, box_cells, &b);
-    return HTREE_OK;
+    ht_builder_run(builder, CHUNKS, scatter_chunk, s);
+    ht_builder_run(builder, CHUNKS, box_cells, &b);
 }
 
 htree_status ht_wide_cells_begin(ht_wide_cells *out, ht_builder *builder) {
@@ -135,19 +130,20 @@ htree_status ht_wide_cells_begin(ht_wide_cells *out, ht_builder *builder) {
     memset(&s, 0, sizeof s);
     memset(out, 0, sizeof *out);
     s.builder = builder;
-    parallel(builder, CHUNKS, measure_chunk, &s);
+    ht_builder_run(builder, CHUNKS, measure_chunk, &s);
     shape_grid(&s);
     const uint64_t next_bytes = (uint64_t)CHUNKS * s.total * sizeof *s.next;
     out->capacity = s.total;
     out->cells = (ht_prim *)ht_allocate(memory, out->capacity * sizeof *out->cells);
     s.cell_of = (uint32_t *)ht_allocate(memory, prims * sizeof *s.cell_of);
     s.next = (uint32_t *)ht_allocate(memory, next_bytes);
-    htree_status status = HTREE_ERROR_MEMORY;
-    if (out->cells && s.cell_of && s.next) status = sort_prims(&s, out);
+    const bool memory_holds = out->cells && s.cell_of && s.next;
+    if (memory_holds) sort_prims(&s, out);
     ht_release(memory, s.next, next_bytes);
     ht_release(memory, s.cell_of, prims * sizeof *s.cell_of);
-    if (status != HTREE_OK) ht_wide_cells_end(out, builder);
-    return status;
+    if (memory_holds) return HTREE_OK;
+    ht_wide_cells_end(out, builder);
+    return HTREE_ERROR_MEMORY;
 }
 
 void ht_wide_cells_end(ht_wide_cells *cells, ht_builder *builder) {

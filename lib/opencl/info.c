@@ -1,5 +1,6 @@
 /* info.c: the devices there are, by index and by name, and what OpenCL says of each. */
 #include "cl.h"
+#include "base/sized.h"
 
 #include <stdio.h>
 
@@ -80,14 +81,12 @@ enum { FIRST_INFO_SIZE = sizeof(htree_cl_info) };
 
 htree_status ht_cl_write_info(const htree_cl_info *known, htree_cl_info *info) {
     if (!info) return ht_cl_fail(HTREE_ERROR_ARGUMENT, 0, "info is NULL");
-    const uint32_t size = info->size;
-    if (size < FIRST_INFO_SIZE || size > 65536) {
+    if (ht_sized_verify(info->size, FIRST_INFO_SIZE, "cl_info")) {
         return ht_cl_fail(HTREE_ERROR_ARGUMENT, 0,
-                          "info.size is %lu: set it to sizeof(htree_cl_info)", (unsigned long)size);
+                          "info.size is %lu: set it to sizeof(htree_cl_info)",
+                          (unsigned long)info->size);
     }
-    memset(info, 0, size);
-    memcpy(info, known, sizeof *known);
-    info->size = size;
+    ht_sized_write(info, known, sizeof *known);
     return HTREE_OK;
 }
 

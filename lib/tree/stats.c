@@ -1,5 +1,6 @@
 /* stats.c: htree_get_stats: the paper's columns of a finished tree, and its expected cost. */
 #include "visit.h"
+#include "base/sized.h"
 
 typedef struct census {
     uint64_t roles[HT_ROLES];
@@ -47,14 +48,10 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     census c;
     HT_TRY(ht_tree_verify(tree));
     if (!stats) return ht_fail(HTREE_ERROR_ARGUMENT, "stats is NULL");
-    if (stats->size < FIRST_STATS_SIZE || stats->size > 65536) {
-        return ht_fail(HTREE_ERROR_ARGUMENT, "stats.size is %lu: set it to sizeof(htree_stats)",
-                       (unsigned long)stats->size);
-    }
+    HT_TRY(ht_sized_verify(stats->size, FIRST_STATS_SIZE, "stats"));
     HT_TRY(take_census(tree, &c));
     htree_stats s;
     memset(&s, 0, sizeof s);
-    s.size = stats->size;
     s.kind = tree->kind;
     s.triangles = tree->triangle_count;
     s.objects = tree->object_count;
@@ -75,7 +72,6 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     s.peak_bytes = tree->memory.peak;
     s.build_seconds = tree->build_seconds;
     s.sah_cost = c.cost;
-    memset(stats, 0, s.size);
-    memcpy(stats, &s, sizeof s < s.size ? sizeof s : s.size);
+    ht_sized_write(stats, &s, sizeof s);
     return HTREE_OK;
 }

@@ -1,5 +1,6 @@
 /* tree.c: the tree as an object: its end, its bounds, and the boxes of its prims. */
 #include "tree.h"
+#include "base/sized.h"
 
 htree_status ht_tree_verify(const htree *tree) {
     return tree ? HTREE_OK : ht_fail(HTREE_ERROR_ARGUMENT, "tree is NULL");
@@ -81,15 +82,9 @@ static htree_view view_tree(const htree *tree) {
 htree_status htree_get_view(const htree *tree, htree_view *view) {
     HT_TRY(ht_tree_verify(tree));
     if (!view) return ht_fail(HTREE_ERROR_ARGUMENT, "view is NULL");
-    const uint32_t size = view->size;
-    if (size < FIRST_VIEW_SIZE || size > 65536) {
-        return ht_fail(HTREE_ERROR_ARGUMENT, "view.size is %lu: set it to sizeof(htree_view)",
-                       (unsigned long)size);
-    }
-    htree_view v = view_tree(tree);
-    v.size = size;
-    memset(view, 0, size);
-    memcpy(view, &v, sizeof v < size ? sizeof v : size);
+    HT_TRY(ht_sized_verify(view->size, FIRST_VIEW_SIZE, "view"));
+    const htree_view v = view_tree(tree);
+    ht_sized_write(view, &v, sizeof v);
     return HTREE_OK;
 }
 
