@@ -68,7 +68,8 @@ bool intersect_leaf(__global const ht_wide_leaf *leaf, const ht_ray *r, ht_hit *
     const float8 v = a.x * c.y - a.y * c.x;
     const float8 w = b.x * a.y - b.y * a.x;
     const int8 outside = (u < 0 | v < 0 | w < 0) & (u > 0 | v > 0 | w > 0);
-    uint mask = ~lanes_of(outside) & ((1u << leaf->count) - 1);
+    const int8 idle = ((__global const int8 *)leaf->prim)[0] < 0;
+    uint mask = 255 & ~lanes_of(outside | idle);
     for (; mask; mask &= mask - 1) {
         const uint i = lowest_lane(mask);
         const ht_corner p = shear_lane(leaf, 0, i, r), q = shear_lane(leaf, 1, i, r);

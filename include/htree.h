@@ -326,7 +326,8 @@ typedef struct htree_view {
     uint32_t triangle_count; /* of the mesh; prims from here on are objects */
     uint32_t object_count;
     uint32_t stack;         /* entries that a traversal stack can need at most */
-    const float *triangles; /* nine floats a triangle, v0 v1 v2; a skipped one is all 0 */
+    const float *triangles; /* nine floats a triangle, v0 v1 v2; a skipped one is all 0. WIDE: NULL,
+                               its leaves hold the corners */
     const void *nodes;      /* root first */
     uint64_t node_bytes;
     const void *leaves; /* UG, KD: uint32_t prims by leaf; WIDE: blocks of triangles; else NULL */

@@ -23,6 +23,12 @@ static void *loop_run(void *argument) {
 
 #ifdef HTREE_NO_THREADS
 
+uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
+    (void)hook;
+    (void)threads;
+    return 1;
+}
+
 static void loop_run_threaded(ht_loop *loop, uint32_t threads) {
     (void)threads;
     loop_run(loop);
@@ -32,14 +38,18 @@ static void loop_run_threaded(ht_loop *loop, uint32_t threads) {
 
 enum { MAX_THREADS = 256 };
 
-static void loop_run_threaded(ht_loop *loop, uint32_t threads) {
-    pthread_t helper[MAX_THREADS - 1];
-    uint32_t started = 0;
-    if (threads == 0) {
+uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
+    if (threads == 0 || (hook && hook->run)) {
         const long cores = sysconf(_SC_NPROCESSORS_ONLN);
         threads = cores < 1 ? 1 : (uint32_t)cores;
     }
-    if (threads > MAX_THREADS) threads = MAX_THREADS;
+    return threads < MAX_THREADS ? threads : MAX_THREADS;
+}
+
+static void loop_run_threaded(ht_loop *loop, uint32_t threads) {
+    pthread_t helper[MAX_THREADS - 1];
+    uint32_t started = 0;
+    threads = ht_thread_count(NULL, threads);
     if (threads > loop->count) threads = loop->count;
     while (started + 1 < threads) {
         if (pthread_create(&helper[started], NULL, loop_run, loop) != 0) break;

@@ -14,6 +14,9 @@ typedef void ht_task(void *data, uint32_t index);
 void ht_parallel_for(const htree_tasks *hook, uint32_t threads, uint32_t count, ht_task *task,
                      void *data);
 
+/* Threads that such a loop may have: as many as cores where the hook decides. */
+uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads);
+
 /* Progress of one call. Any thread may ask ht_progress_step; only the thread that began reports. */
 typedef struct ht_progress {
     htree_progress hook;

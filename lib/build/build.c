@@ -9,22 +9,24 @@
 static const struct {
     htree_kind kind;
     ht_build *build;
+    bool loads; /* reads the mesh by itself, and sets the tree's bounds and counts */
 } builders[] = {
-    {HTREE_UG, ht_build_ug},
-    {HTREE_KD, ht_build_kd},
-    {HTREE_BVH_MEDIAN, ht_build_bvh_median},
-    {HTREE_BVH_SAH, ht_build_bvh_sah},
-    {HTREE_SKD, ht_build_skd},
-    {HTREE_H, ht_build_h},
-    {HTREE_AH, ht_build_ah},
-    {HTREE_WIDE, ht_build_wide},
+    {HTREE_UG, ht_build_ug, false},
+    {HTREE_KD, ht_build_kd, false},
+    {HTREE_BVH_MEDIAN, ht_build_bvh_median, false},
+    {HTREE_BVH_SAH, ht_build_bvh_sah, false},
+    {HTREE_SKD, ht_build_skd, false},
+    {HTREE_H, ht_build_h, false},
+    {HTREE_AH, ht_build_ah, false},
+    {HTREE_WIDE, ht_build_wide, true},
 };
+enum { BUILDERS = sizeof builders / sizeof *builders };
 
-static ht_build *find_builder(htree_kind kind) {
-    for (size_t i = 0; i < sizeof builders / sizeof *builders; ++i) {
-        if (builders[i].kind == kind) return builders[i].build;
-    }
-    return NULL;
+/* Index of the kind's row, or BUILDERS. */
+static size_t find_builder(htree_kind kind) {
+    size_t i = 0;
+    while (i < BUILDERS && builders[i].kind != kind) ++i;
+    return i;
 }
 
 /* ---- The tree ------------------------------------------------------------------------------- */
@@ -61,31 +63,29 @@ ht_prim *ht_builder_spare(ht_builder *builder) {
     return builder->spare;
 }
 
-static htree_status run_builder(ht_builder *builder, const htree_mesh *mesh, ht_build *build) {
-    htree *tree = builder->tree;
-    HT_TRY(ht_load_mesh(builder, mesh));
-    if (tree->prim_count == 0) return HTREE_OK;
-    ht_progress_begin(&builder->progress, &builder->options->progress, tree->prim_count);
-    const htree_status status = build(builder);
-    if (status == HTREE_ERROR_CANCELLED) ht_fail(status, "the progress hook cancelled the build");
-    return status;
+static htree_status load_and_build(ht_builder *builder, ht_build *build) {
+    HT_TRY(ht_load_mesh(builder));
+    if (builder->tree->prim_count == 0) return HTREE_OK;
+    ht_progress_begin(&builder->progress, &builder->options->progress, builder->tree->prim_count);
+    return build(builder);
 }
 
 static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_options *options,
-                               ht_build *build) {
+                               size_t row) {
     const uint64_t prims = (uint64_t)tree->triangle_count + tree->object_count;
-    ht_builder builder = {options, tree, NULL, NULL, {{NULL, NULL}, 0, 0, 0, NULL, 0}};
-    tree->triangles =
-        (ht_triangle *)ht_allocate(&tree->memory, tree->triangle_count * sizeof(ht_triangle));
-    tree->object_boxes =
-        (htree_box *)ht_allocate(&tree->memory, tree->object_count * sizeof(htree_box));
-    builder.prims = (ht_prim *)ht_allocate(&tree->memory, prims * sizeof(ht_prim));
-    htree_status status = HTREE_ERROR_MEMORY;
-    if (tree->triangles && tree->object_boxes && builder.prims) {
-        status = run_builder(&builder, mesh, build);
+    ht_builder builder;
+    memset(&builder, 0, sizeof builder);
+    builder.options = options;
+    builder.mesh = mesh;
+    builder.tree = tree;
+    htree_status status = ht_copy_objects(&builder);
+    if (status == HTREE_OK) {
+        status = builders[row].loads ? builders[row].build(&builder)
+                                     : load_and_build(&builder, builders[row].build);
     }
     ht_release(&tree->memory, builder.spare, tree->prim_count * sizeof(ht_prim));
     ht_release(&tree->memory, builder.prims, prims * sizeof(ht_prim));
+    if (status == HTREE_ERROR_CANCELLED) ht_fail(status, "the progress hook cancelled the build");
     return status;
 }
 
@@ -97,14 +97,14 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
     htree_options options;
     HT_TRY(ht_options_read(given, &options));
     HT_TRY(ht_verify_mesh(mesh));
-    ht_build *build = find_builder(options.kind);
-    if (!build) {
+    const size_t row = find_builder(options.kind);
+    if (row == BUILDERS) {
         return ht_fail(HTREE_ERROR_UNSUPPORTED, "this version of the library cannot build kind %s",
                        htree_kind_name(options.kind));
     }
     htree *tree = tree_new(mesh, &options);
     if (!tree) return HTREE_ERROR_MEMORY;
-    const htree_status status = build_tree(tree, mesh, &options, build);
+    const htree_status status = build_tree(tree, mesh, &options, row);
     if (status != HTREE_OK) {
         htree_free(tree);
         return status;

@@ -2,6 +2,7 @@
 #ifndef HT_BUILD_H
 #define HT_BUILD_H
 
+#include "base/lanes.h"
 #include "tree/tree.h"
 
 /* A prim as builders see it: its box. Centroids are kept doubled, lo + hi: one rounding, no
@@ -15,6 +16,16 @@ HT_INLINE uint32_t ht_prim_id(const ht_prim *prim) {
     uint32_t id;
     memcpy(&id, &prim->lo[3], sizeof id);
     return id;
+}
+
+HT_INLINE ht_box4 ht_prim_box4(const ht_prim *prim) {
+    const ht_box4 box = {ht_f4_load(prim->lo), ht_f4_load(prim->hi)};
+    return box;
+}
+
+HT_INLINE void ht_prim_set_id(ht_prim *prim, uint32_t id) {
+    memcpy(&prim->lo[3], &id, sizeof id);
+    prim->hi[3] = 0;
 }
 
 /* A cell of prims is a prim to those who split: its box, where its prims begin, and how many. */
@@ -35,6 +46,7 @@ HT_INLINE uint32_t ht_cell_prims(const ht_prim *cell) {
 
 typedef struct ht_builder {
     const htree_options *options;
+    const htree_mesh *mesh;
     htree *tree; /* geometry, bounds and counts are set; the builder sets nodes and stack */
     ht_prim
         *prims; /* tree->prim_count of them, at least 1, in order of id; the builder may permute */
@@ -60,6 +72,6 @@ ht_build ht_build_kd;                           /* kd.c */
 ht_build ht_build_bvh_median, ht_build_bvh_sah; /* bvh.c */
 ht_build ht_build_skd, ht_build_h;              /* h.c */
 ht_build ht_build_ah;                           /* ah.c */
-ht_build ht_build_wide;                         /* wide.c */
+ht_build ht_build_wide;                         /* wide.c: straight from the mesh */
 
 #endif

@@ -47,6 +47,47 @@ htree_status ht_verify_mesh(const htree_mesh *mesh) {
     return HTREE_OK;
 }
 
+/* ---- What builders read ---------------------------------------------------------------------- */
+
+ht_source ht_source_of(const htree_mesh *mesh) {
+    const htree_objects *objects = mesh->objects;
+    ht_source source;
+    source.positions = (const char *)mesh->positions;
+    source.stride = mesh->position_stride ? mesh->position_stride : 12;
+    source.vertex_count = mesh->vertex_count;
+    source.indices = mesh->indices;
+    source.triangle_count = (uint32_t)mesh->triangle_count;
+    source.object_count = objects ? (uint32_t)objects->count : 0;
+    source.boxes = objects ? objects->boxes : NULL;
+    return source;
+}
+
+static bool is_in_range(const float *p) {
+    return ht_magnitude(p[0]) <= HTREE_COORDINATE_MAX &&
+           ht_magnitude(p[1]) <= HTREE_COORDINATE_MAX && ht_magnitude(p[2]) <= HTREE_COORDINATE_MAX;
+}
+
+bool ht_is_box_in_range(const htree_box *box) {
+    return is_in_range(box->lo) && is_in_range(box->hi) && box->lo[0] <= box->hi[0] &&
+           box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2];
+}
+
+htree_status ht_refuse_prim(const ht_source *source, uint32_t prim, bool no_vertex) {
+    if (!no_vertex) {
+        const bool triangle = prim < source->triangle_count;
+        return ht_fail(HTREE_ERROR_GEOMETRY,
+                       "%s %lu has a NaN, infinite or oversize coordinate, or lo > hi",
+                       triangle ? "triangle" : "object",
+                       (unsigned long)(triangle ? prim : prim - source->triangle_count));
+    }
+    uint64_t vertex = 0;
+    for (uint32_t k = 0; k < 3 && vertex < source->vertex_count; ++k)
+        vertex = ht_source_vertex(source, prim, k);
+    return ht_fail(HTREE_ERROR_GEOMETRY, "triangle %lu refers to vertex %llu of %llu",
+                   (unsigned long)prim, (unsigned long long)vertex,
+                   (unsigned long long)source->vertex_count);
+}
+
 /* ---- Triangles ------------------------------------------------------------------------------ */
 
 enum { TRIANGLES_A_CHUNK = 8192, MOST_CHUNKS = 64 };
@@ -54,7 +95,7 @@ enum { TRIANGLES_A_CHUNK = 8192, MOST_CHUNKS = 64 };
 /* What a chunk found: bad is the first triangle that refers to a vertex that is not there, or that
  * HTREE_STRICT refuses. */
 typedef struct chunk {
-    htree_box bounds;
+    ht_box4 bounds;
     uint32_t first, end;
     uint32_t prims; /* written to builder->prims from `first` on */
     uint32_t bad;
@@ -64,57 +105,30 @@ typedef struct chunk {
 
 typedef struct loading {
     ht_builder *builder;
-    const htree_mesh *mesh;
+    ht_source source;
     uint32_t chunks;
     chunk part[MOST_CHUNKS];
 } loading;
 
-static bool is_in_range(const float *p) {
-    return ht_magnitude(p[0]) <= HTREE_COORDINATE_MAX &&
-           ht_magnitude(p[1]) <= HTREE_COORDINATE_MAX && ht_magnitude(p[2]) <= HTREE_COORDINATE_MAX;
-}
-
-/* A box without an order of its planes contains nothing. */
-static bool is_box_in_range(const htree_box *box) {
-    return is_in_range(box->lo) && is_in_range(box->hi) && box->lo[0] <= box->hi[0] &&
-           box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2];
-}
-
-/* Index of corner k of triangle i, a vertex or beyond the last one. */
-HT_INLINE uint64_t vertex_of(const htree_mesh *mesh, uint32_t i, uint64_t k) {
-    const uint64_t at = 3 * (uint64_t)i + k;
-    return mesh->indices ? mesh->indices[at] : at;
-}
-
-HT_INLINE bool load_corners(const htree_mesh *mesh, uint32_t i, ht_triangle *triangle) {
-    const uint64_t stride = mesh->position_stride ? mesh->position_stride : 12;
-    for (uint64_t k = 0; k < 3; ++k) {
-        const uint64_t vertex = vertex_of(mesh, i, k);
-        if (HT_UNLIKELY(vertex >= mesh->vertex_count)) return false;
-        memcpy(triangle->v[k], (const char *)mesh->positions + vertex * stride, 12);
-    }
-    return true;
-}
-
-static void set_prim(ht_prim *prim, uint32_t id, const htree_box *box) {
-    memcpy(prim->lo, box->lo, sizeof box->lo);
-    memcpy(prim->hi, box->hi, sizeof box->hi);
-    memcpy(&prim->lo[3], &id, sizeof id);
-    prim->hi[3] = 0;
-}
-
 /* Loads one triangle; false if the mesh is to be refused. */
 HT_INLINE bool load_triangle(const loading *l, chunk *c, uint32_t i) {
-    htree *tree = l->builder->tree;
-    ht_triangle *triangle = &tree->triangles[i];
-    c->no_vertex = !load_corners(l->mesh, i, triangle);
+    ht_triangle *triangle = &l->builder->tree->triangles[i];
+    c->no_vertex = !ht_source_has_corners(&l->source, i);
     if (c->no_vertex) return false;
-    const float(*v)[3] = (const float(*)[3])triangle->v;
+    const ht_corners corners = ht_source_corners(&l->source, i);
+    float v[3][4];
+    for (int k = 0; k < 3; ++k) {
+        ht_f4_store(v[k], corners.v[k]);
+        memcpy(triangle->v[k], v[k], sizeof triangle->v[k]);
+    }
     const bool valid = is_in_range(v[0]) && is_in_range(v[1]) && is_in_range(v[2]);
     if (valid && !ht_triangle_is_degenerate(v[0], v[1], v[2])) {
-        const htree_box box = ht_prim_box(tree, i);
-        set_prim(&l->builder->prims[c->first + c->prims++], i, &box);
-        ht_box_add(&c->bounds, &box);
+        ht_prim *prim = &l->builder->prims[c->first + c->prims++];
+        const ht_box4 box = ht_corners_box(&corners);
+        ht_f4_store(prim->lo, box.lo);
+        ht_f4_store(prim->hi, box.hi);
+        ht_prim_set_id(prim, i);
+        ht_box4_add(&c->bounds, box.lo, box.hi);
         return true;
     }
     memset(triangle, 0, sizeof *triangle);
@@ -135,47 +149,34 @@ static void load_chunk(void *data, uint32_t index) {
     }
 }
 
-static htree_status refuse(const char *what, uint32_t index) {
-    return ht_fail(HTREE_ERROR_GEOMETRY,
-                   "%s %lu has a NaN, infinite or oversize coordinate, or lo > hi", what,
-                   (unsigned long)index);
-}
-
 /* Closes the gaps between chunks, and adds up what they found. */
 static htree_status join_chunks(const loading *l) {
     ht_builder *builder = l->builder;
     htree *tree = builder->tree;
     for (uint32_t k = 0; k < l->chunks; ++k) {
         const chunk *c = &l->part[k];
-        if (c->bad != HTREE_NONE && c->no_vertex) {
-            uint64_t vertex = 0;
-            for (uint64_t i = 0; i < 3 && vertex < l->mesh->vertex_count; ++i)
-                vertex = vertex_of(l->mesh, c->bad, i);
-            return ht_fail(HTREE_ERROR_GEOMETRY, "triangle %lu refers to vertex %llu of %llu",
-                           (unsigned long)c->bad, (unsigned long long)vertex,
-                           (unsigned long long)l->mesh->vertex_count);
-        }
-        if (c->bad != HTREE_NONE) return refuse("triangle", c->bad);
+        if (c->bad != HTREE_NONE) return ht_refuse_prim(&l->source, c->bad, c->no_vertex);
         if (tree->prim_count != c->first)
             memmove(builder->prims + tree->prim_count, builder->prims + c->first,
                     c->prims * sizeof *builder->prims);
         tree->prim_count += c->prims;
         tree->invalid += c->invalid;
         tree->degenerate += c->degenerate;
-        ht_box_add(&tree->bounds, &c->bounds);
+        const htree_box bounds = ht_box4_box(&c->bounds);
+        ht_box_add(&tree->bounds, &bounds);
     }
     return HTREE_OK;
 }
 
-static htree_status load_triangles(ht_builder *builder, const htree_mesh *mesh) {
+static htree_status load_triangles(ht_builder *builder) {
     const uint64_t count = builder->tree->triangle_count;
     loading l;
     l.builder = builder;
-    l.mesh = mesh;
+    l.source = ht_source_of(builder->mesh);
     l.chunks = (uint32_t)((count + TRIANGLES_A_CHUNK - 1) / TRIANGLES_A_CHUNK);
     if (l.chunks > MOST_CHUNKS) l.chunks = MOST_CHUNKS;
     for (uint32_t k = 0; k < l.chunks; ++k) {
-        const chunk empty = {ht_box_empty(),
+        const chunk empty = {ht_box4_empty(),
                              (uint32_t)(count * k / l.chunks),
                              (uint32_t)(count * (k + 1) / l.chunks),
                              0,
@@ -191,24 +192,43 @@ static htree_status load_triangles(ht_builder *builder, const htree_mesh *mesh) 
 
 /* ---- Objects -------------------------------------------------------------------------------- */
 
-static htree_status load_objects(ht_builder *builder, const htree_mesh *mesh) {
+static htree_status load_objects(ht_builder *builder) {
     htree *tree = builder->tree;
+    const ht_source source = ht_source_of(builder->mesh);
     for (uint32_t i = 0; i < tree->object_count; ++i) {
-        htree_box *box = &tree->object_boxes[i];
-        *box = mesh->objects->boxes[i];
-        if (is_box_in_range(box)) {
-            set_prim(&builder->prims[tree->prim_count++], tree->triangle_count + i, box);
-            ht_box_add(&tree->bounds, box);
-            continue;
+        const uint32_t id = tree->triangle_count + i;
+        if (ht_is_box_in_range(&tree->object_boxes[i])) {
+            ht_source_prim(&source, id, &builder->prims[tree->prim_count++]);
+            ht_box_add(&tree->bounds, &tree->object_boxes[i]);
+        } else if (builder->options->flags & HTREE_STRICT) {
+            return ht_refuse_prim(&source, id, false);
+        } else {
+            ++tree->invalid;
         }
-        if (builder->options->flags & HTREE_STRICT) return refuse("object", i);
-        ++tree->invalid;
-        *box = ht_box_empty();
     }
     return HTREE_OK;
 }
 
-htree_status ht_load_mesh(ht_builder *builder, const htree_mesh *mesh) {
-    HT_TRY(load_triangles(builder, mesh));
-    return load_objects(builder, mesh);
+htree_status ht_copy_objects(ht_builder *builder) {
+    htree *tree = builder->tree;
+    const htree_objects *objects = builder->mesh->objects;
+    tree->object_boxes =
+        (htree_box *)ht_allocate(&tree->memory, tree->object_count * sizeof(htree_box));
+    if (!tree->object_boxes) return HTREE_ERROR_MEMORY;
+    for (uint32_t i = 0; i < tree->object_count; ++i) {
+        const bool fine = ht_is_box_in_range(&objects->boxes[i]);
+        tree->object_boxes[i] = fine ? objects->boxes[i] : ht_box_empty();
+    }
+    return HTREE_OK;
+}
+
+htree_status ht_load_mesh(ht_builder *builder) {
+    htree *tree = builder->tree;
+    const uint64_t prims = (uint64_t)tree->triangle_count + tree->object_count;
+    tree->triangles =
+        (ht_triangle *)ht_allocate(&tree->memory, tree->triangle_count * sizeof(ht_triangle));
+    builder->prims = (ht_prim *)ht_allocate(&tree->memory, prims * sizeof(ht_prim));
+    if (!tree->triangles || !builder->prims) return HTREE_ERROR_MEMORY;
+    HT_TRY(load_triangles(builder));
+    return load_objects(builder);
 }

@@ -9,23 +9,14 @@ enum { MAX_BUCKETS = 64 };
 enum { FEW_PRIMS = 8 }; /* so few are sorted: cheaper than buckets, and exact */
 
 typedef struct bucket {
-    float lo[4], hi[4]; /* lanes as in ht_prim; the last means nothing */
-    uint32_t count;     /* prims or cells */
-    uint32_t prims;     /* what the cells hold, or count */
-    uint32_t unused[2];
+    ht_box4 box;
+    uint32_t count; /* prims or cells */
+    uint32_t prims; /* what the cells hold, or count */
 } bucket;
 
 static void bucket_clear(bucket *b) {
-    for (int i = 0; i < 4; ++i) {
-        b->lo[i] = INFINITY;
-        b->hi[i] = -INFINITY;
-    }
+    b->box = ht_box4_empty();
     b->count = b->prims = 0;
-}
-
-static htree_box bucket_box(const bucket *b) {
-    const htree_box box = {{b->lo[0], b->lo[1], b->lo[2]}, {b->hi[0], b->hi[1], b->hi[2]}};
-    return box;
 }
 
 HT_INLINE float centroid(const ht_prim *prim, uint32_t axis) {
@@ -59,8 +50,7 @@ HT_INLINE void fill_buckets(const ht_split *split, const ht_prim *prims, uint32_
     for (uint32_t i = 0; i < count; ++i) {
         const ht_prim *prim = &prims[i];
         bucket *b = &buckets[bucket_index(split, centroid(prim, split->axis))];
-        for (int k = 0; k < 4; ++k) b->lo[k] = ht_min(b->lo[k], prim->lo[k]);
-        for (int k = 0; k < 4; ++k) b->hi[k] = ht_max(b->hi[k], prim->hi[k]);
+        ht_box4_add(&b->box, ht_f4_load(prim->lo), ht_f4_load(prim->hi));
         ++b->count;
         if (cells) b->prims += ht_cell_prims(prim);
     }
@@ -78,8 +68,7 @@ static HT_NOINLINE void fill_with_cells(const ht_split *split, const ht_prim *ce
 }
 
 static void bucket_merge(bucket *b, const bucket *other) {
-    for (int k = 0; k < 4; ++k) b->lo[k] = ht_min(b->lo[k], other->lo[k]);
-    for (int k = 0; k < 4; ++k) b->hi[k] = ht_max(b->hi[k], other->hi[k]);
+    ht_box4_add(&b->box, other->box.lo, other->box.hi);
     b->count += other->count;
     b->prims += other->prims;
 }
@@ -87,11 +76,11 @@ static void bucket_merge(bucket *b, const bucket *other) {
 static htree_box merged_box(const bucket *buckets, uint32_t count) {
     bucket all = buckets[0];
     for (uint32_t b = 1; b < count; ++b) bucket_merge(&all, &buckets[b]);
-    return bucket_box(&all);
+    return ht_box4_box(&all.box);
 }
 
 static double bucket_area(const bucket *b) {
-    const htree_box box = bucket_box(b);
+    const htree_box box = ht_box4_box(&b->box);
     return (double)ht_box_area(&box);
 }
 
@@ -184,8 +173,7 @@ static void split_exactly(ht_prim *prims, uint32_t count, uint32_t widest, uint3
         candidate.buckets = count;
         sort_by_centroid(prims, count, candidate.axis);
         for (uint32_t k = 0; k < count; ++k) {
-            memcpy(buckets[k].lo, prims[k].lo, sizeof buckets[k].lo);
-            memcpy(buckets[k].hi, prims[k].hi, sizeof buckets[k].hi);
+            buckets[k].box = ht_prim_box4(&prims[k]);
             buckets[k].count = 1;
             buckets[k].prims = prims_of(&prims[k], 1, rule->cells);
         }
@@ -248,8 +236,8 @@ static bool try_middle(const ht_prim *prims, uint32_t count, uint32_t axis, floa
     if (!(hi > lo && split->scale <= 1e37f)) return false;
     fill_with_prims(split, prims, count, buckets);
     split->left_count = buckets[0].count;
-    split->left = bucket_box(&buckets[0]);
-    split->right = bucket_box(&buckets[1]);
+    split->left = ht_box4_box(&buckets[0].box);
+    split->right = ht_box4_box(&buckets[1].box);
     return buckets[0].count > 0 && buckets[1].count > 0;
 }
 

@@ -1,11 +1,10 @@
 /* wide_nodes.c: writes the leaves and nodes of wide trees. */
 #include "wide.h"
 
-void ht_wide_part_begin(ht_wide_part *part, ht_builder *builder) {
-    part->builder = builder;
+void ht_wide_part_begin(ht_wide_part *part, ht_memory *memory) {
     part->deepest = 0;
-    ht_array_begin(&part->nodes, &builder->tree->memory, sizeof(ht_wide_node));
-    ht_array_begin(&part->leaves, &builder->tree->memory, sizeof(ht_wide_leaf));
+    ht_array_begin(&part->nodes, memory, sizeof(ht_wide_node));
+    ht_array_begin(&part->leaves, memory, sizeof(ht_wide_leaf_run));
 }
 
 void ht_wide_part_end(ht_wide_part *part) {
@@ -15,36 +14,37 @@ void ht_wide_part_end(ht_wide_part *part) {
 
 /* ---- Leaves --------------------------------------------------------------------------------- */
 
-static void write_lane(const htree *tree, ht_wide_leaf *leaf, uint32_t prim) {
-    const uint32_t lane = leaf->count++;
-    leaf->prim[lane] = prim;
-    if (prim >= tree->triangle_count) {
-        ++leaf->objects;
-        return;
+/* Triangles to the front, objects behind them; returns how many triangles. */
+static uint32_t order_prims(const ht_source *source, const uint32_t *prims, uint32_t count,
+                            uint32_t *lanes) {
+    uint32_t triangles = 0, end = count;
+    for (uint32_t i = 0; i < HT_LANES; ++i) lanes[i] = HTREE_NONE;
+    for (uint32_t i = 0; i < count; ++i) {
+        const bool triangle = prims[i] < source->triangle_count;
+        lanes[triangle ? triangles++ : --end] = prims[i];
     }
-    const ht_triangle *triangle = &tree->triangles[prim];
-    for (uint32_t corner = 0; corner < 3; ++corner) {
-        for (uint32_t axis = 0; axis < 3; ++axis)
-            leaf->v[corner][axis][lane] = triangle->v[corner][axis];
-    }
+    return triangles;
 }
 
-/* User objects come last, so that the lanes of triangles are the first ones. */
-htree_status ht_wide_write_leaf(ht_wide_part *part, const ht_wide_run *run, uint32_t *child) {
-    const htree *tree = part->builder->tree;
-    *child = HT_WIDE_LEAF | (uint32_t)part->leaves.count;
-    ht_wide_leaf *leaf = (ht_wide_leaf *)ht_array_add(&part->leaves);
-    if (!leaf) return HTREE_ERROR_MEMORY;
-    for (uint32_t i = 0; i < run->count; ++i) {
-        const uint32_t prim = ht_prim_id(&run->items[i]);
-        if (prim < tree->triangle_count) write_lane(tree, leaf, prim);
+/* Four triangles at a time, which come corner by corner and go coordinate by coordinate. */
+void ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
+                        ht_wide_leaf *leaf) {
+    const uint32_t triangles = order_prims(source, prims, count, leaf->prim);
+    for (uint32_t half = 0; half < HT_LANES; half += 4) {
+        ht_corners corners[4];
+        for (uint32_t i = 0; i < 4; ++i) {
+            const ht_corners nothing = {{ht_f4_all(0), ht_f4_all(0), ht_f4_all(0)}};
+            corners[i] = nothing;
+            if (half + i < triangles) corners[i] = ht_source_corners(source, leaf->prim[half + i]);
+        }
+        for (uint32_t k = 0; k < 3; ++k) {
+            ht_f4 row[4];
+            for (uint32_t i = 0; i < 4; ++i) row[i] = corners[i].v[k];
+            ht_f4_transpose(row);
+            for (uint32_t axis = 0; axis < 3; ++axis)
+                ht_f4_store(&leaf->v[k][axis][half], row[axis]);
+        }
     }
-    for (uint32_t i = 0; i < run->count && leaf->count < run->count; ++i) {
-        const uint32_t prim = ht_prim_id(&run->items[i]);
-        if (prim >= tree->triangle_count) write_lane(tree, leaf, prim);
-    }
-    return ht_progress_step(&part->builder->progress, run->count) ? HTREE_OK
-                                                                  : HTREE_ERROR_CANCELLED;
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
@@ -59,27 +59,19 @@ static void lane_worths(const htree_box *box, const htree_box *all, float worth[
     }
 }
 
-/* Gives every run a lane, the pairs that suit each other best first. */
+/* Gives every run in turn the free lane that suits it best. */
 static void assign_lanes(const ht_wide_run *runs, uint32_t count, const htree_box *all,
                          uint32_t lane[HT_LANES]) {
-    float worth[HT_LANES][HT_LANES];
-    uint32_t free_lanes = (1u << HT_LANES) - 1, free_runs = (1u << count) - 1;
-    for (uint32_t i = 0; i < count; ++i) lane_worths(&runs[i].box, all, worth[i]);
-    while (free_runs) {
-        uint32_t best_run = 0, best_lane = 0;
-        float best = -INFINITY;
-        for (uint32_t i = 0; i < count; ++i) {
-            if (!(free_runs >> i & 1)) continue;
-            for (uint32_t k = 0; k < HT_LANES; ++k) {
-                if (!(free_lanes >> k & 1) || !(worth[i][k] >= best)) continue;
-                best = worth[i][k];
-                best_run = i;
-                best_lane = k;
-            }
+    uint32_t taken = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        float worth[HT_LANES], best = -INFINITY;
+        lane_worths(&runs[i].box, all, worth);
+        for (uint32_t k = 0; k < HT_LANES; ++k) {
+            const bool better = !(taken >> k & 1) && worth[k] >= best;
+            best = better ? worth[k] : best;
+            lane[i] = better ? k : lane[i];
         }
-        lane[best_run] = best_lane;
-        free_runs &= ~(1u << best_run);
-        free_lanes &= ~(1u << best_lane);
+        taken |= 1u << lane[i];
     }
 }
 

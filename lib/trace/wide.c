@@ -62,9 +62,9 @@ HT_INLINE uint32_t leaf_candidates(const ht_wide_leaf *leaf, const ht_shear *s,
 /* Tests the prims of a leaf; with `any`, true at the first hit. */
 HT_INLINE bool intersect_leaf(const htree *tree, const ht_wide_leaf *leaf, const htree_ray *ray,
                               const ht_ray *r, htree_hit *hit, const bool any) {
-    const uint32_t triangles = leaf->count - leaf->objects;
+    const uint32_t count = ht_wide_leaf_count(leaf);
     float p[3][3][HT_LANES];
-    uint32_t mask = leaf_candidates(leaf, &r->shear, p) & ((1u << triangles) - 1);
+    uint32_t mask = leaf_candidates(leaf, &r->shear, p) & ((1u << count) - 1);
     for (uint32_t i = 0; mask; mask >>= 1, ++i) {
         if (!(mask & 1)) continue;
         const float a[3] = {p[0][0][i], p[0][1][i], p[0][2][i]};
@@ -75,9 +75,9 @@ HT_INLINE bool intersect_leaf(const htree *tree, const ht_wide_leaf *leaf, const
         if (any) return ht_keep_nearer(hit, &found, leaf->prim[i]);
         ht_keep_nearer(hit, &found, leaf->prim[i]);
     }
-    for (uint32_t i = triangles; i < leaf->count; ++i) {
-        if (!ht_meets_object(tree, leaf->prim[i], r, hit->t)) continue;
-        if (ht_intersect_prim(tree, leaf->prim[i], ray, r, hit) && any) return true;
+    for (uint32_t i = count; i > 0 && leaf->prim[i - 1] >= tree->triangle_count; --i) {
+        if (!ht_meets_object(tree, leaf->prim[i - 1], r, hit->t)) continue;
+        if (ht_intersect_prim(tree, leaf->prim[i - 1], ray, r, hit) && any) return true;
     }
     return false;
 }
@@ -93,7 +93,7 @@ HT_INLINE void walk_wide(const htree *tree, const htree_ray *ray, const ht_ray *
             const ht_wide_leaf *leaf = &tree->leaves[child & ~HT_WIDE_LEAF];
             if (counted) {
                 ++counters->leaf_steps;
-                counters->intersections += leaf->count;
+                counters->intersections += ht_wide_leaf_count(leaf);
             }
             if (intersect_leaf(tree, leaf, ray, r, hit, any)) return;
         } else {

@@ -22,9 +22,33 @@ static bool mark(uint8_t *bits, uint32_t i) {
     return before;
 }
 
-static htree_status check_prim(proof *p, const ht_place *place, uint32_t prim) {
+static bool is_in_range(const ht_triangle *triangle) {
+    for (int i = 0; i < 9; ++i) {
+        if (!(ht_magnitude(triangle->v[i / 3][i % 3]) <= HTREE_COORDINATE_MAX)) return false;
+    }
+    return true;
+}
+
+/* The box of prim i of a leaf; empty if it cannot be hit: it was skipped, or is none. */
+static htree_box box_of(const htree *tree, const ht_node_view *view, uint32_t i) {
+    const uint32_t prim = view->prims[i];
+    htree_box box = ht_box_empty();
+    if (prim >= tree->triangle_count) {
+        const uint32_t object = prim - tree->triangle_count;
+        return object < tree->object_count ? tree->object_boxes[object] : box;
+    }
+    const ht_triangle t = ht_view_triangle(tree, view, i);
+    if (!is_in_range(&t) || ht_triangle_is_degenerate(t.v[0], t.v[1], t.v[2])) return box;
+    for (int k = 0; k < 3; ++k) ht_box_add_point(&box, t.v[k]);
+    return box;
+}
+
+static htree_status check_prim(proof *p, const ht_place *place, const ht_node_view *view,
+                               uint32_t i) {
     const htree *tree = p->tree;
-    if (prim >= tree->triangle_count + tree->object_count || !ht_prim_is_hittable(tree, prim)) {
+    const uint32_t prim = view->prims[i];
+    const htree_box box = box_of(tree, view, i);
+    if (!(box.lo[0] <= box.hi[0])) {
         return ht_fail(HTREE_ERROR_CORRUPT,
                        "slot %lu refers to prim %lu, which was skipped or is none",
                        (unsigned long)place->slot, (unsigned long)prim);
@@ -34,7 +58,6 @@ static htree_status check_prim(proof *p, const ht_place *place, uint32_t prim) {
         return ht_fail(HTREE_ERROR_CORRUPT, "two leaves refer to prim %lu", (unsigned long)prim);
     }
     p->prims_seen += !seen;
-    const htree_box box = ht_prim_box(tree, prim);
     if (is_space_divided(tree) ? !ht_box_touches(&place->box, &box)
                                : !ht_box_contains(&place->box, &box)) {
         return ht_fail(HTREE_ERROR_CORRUPT, "prim %lu is not where its leaf is, at slot %lu",
@@ -58,7 +81,7 @@ static htree_status check_node(void *data, const ht_place *place, const ht_node_
     }
     /* Objects hang below a node only through its children, so boxes need proof at the leaves alone:
      * every traversal box on the way there contains the leaf's. */
-    for (uint32_t i = 0; i < view->prim_count; ++i) HT_TRY(check_prim(p, place, view->prims[i]));
+    for (uint32_t i = 0; i < view->prim_count; ++i) HT_TRY(check_prim(p, place, view, i));
     return HTREE_OK;
 }
 

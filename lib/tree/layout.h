@@ -106,14 +106,12 @@ typedef struct ht_wide_node {
     ht_word unused[8];
 } ht_wide_node;
 
-/* Lane i holds a triangle, its corners v[0..2][axis][i]. A user object and an idle lane hold
- * zeros, which no ray meets; the prims in use come first. */
+/* Lane i holds a triangle, its corners v[0..2][axis][i]. Triangles come first, then user objects, then
+ * idle lanes, whose prim is HT_WIDE_NONE; both hold zeros, which no ray meets. Prims are below
+ * HT_WIDE_LEAF: the sign of the word tells. */
 typedef struct ht_wide_leaf {
     float v[3][3][8];
     ht_word prim[8];
-    ht_word count;   /* prims in use, at least 1 */
-    ht_word objects; /* user objects among them, the last ones */
-    ht_word unused[6];
 } ht_wide_leaf;
 
 /* ---- On devices: what a kernel is told beside the arrays ------------------------------------ */

@@ -21,23 +21,6 @@ uint32_t ht_stack_limit(htree_kind kind) {
     return kind == HTREE_WIDE ? HT_WIDE_STACK : HT_MAX_DEPTH;
 }
 
-htree_box ht_prim_box(const htree *tree, uint32_t prim) {
-    if (prim >= tree->triangle_count) return tree->object_boxes[prim - tree->triangle_count];
-    htree_box box = ht_box_empty();
-    for (int k = 0; k < 3; ++k) ht_box_add_point(&box, tree->triangles[prim].v[k]);
-    return box;
-}
-
-bool ht_prim_is_hittable(const htree *tree, uint32_t prim) {
-    if (prim >= tree->triangle_count) {
-        const htree_box *box = &tree->object_boxes[prim - tree->triangle_count];
-        return box->lo[0] <= box->hi[0];
-    }
-    /* A skipped triangle was zeroed, and a triangle of zeros has no area. */
-    const ht_triangle *triangle = &tree->triangles[prim];
-    return !ht_triangle_is_degenerate(triangle->v[0], triangle->v[1], triangle->v[2]);
-}
-
 void htree_free(htree *tree) {
     if (!tree) return;
     ht_memory memory = tree->memory;

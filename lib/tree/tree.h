@@ -22,7 +22,8 @@ struct htree {
     htree_box bounds;    /* of all prims that can be hit */
     uint32_t prim_count; /* prims that can be hit; ids run over triangles, then objects */
     uint32_t triangle_count, object_count;
-    ht_triangle *triangles; /* by prim; a skipped one is all 0 and no leaf refers to it */
+    ht_triangle *triangles; /* by prim; a skipped one is all 0 and no leaf refers to it; WIDE: none,
+                               its leaves hold them */
     htree_box *object_boxes;
     htree_object_intersect intersect;
     void *intersect_user;
@@ -42,10 +43,12 @@ struct htree {
     double build_seconds;
 };
 
-htree_box ht_prim_box(const htree *tree, uint32_t prim);
-
-/* False for the prims that the build skipped. */
-bool ht_prim_is_hittable(const htree *tree, uint32_t prim);
+/* Prims of a wide leaf: the lanes before the idle ones. */
+HT_INLINE uint32_t ht_wide_leaf_count(const ht_wide_leaf *leaf) {
+    uint32_t count = 0;
+    while (count < HT_LANES && leaf->prim[count] != HT_WIDE_NONE) ++count;
+    return count;
+}
 
 /* The stack that walks of the kind have. */
 uint32_t ht_stack_limit(htree_kind kind);

@@ -114,20 +114,29 @@ static bool view_kd(const htree *tree, const ht_place *place, ht_node_view *view
     return true;
 }
 
-/* The lanes of a leaf must hold what the tree's triangles say: walks read nothing else. */
+ht_triangle ht_view_triangle(const htree *tree, const ht_node_view *view, uint32_t i) {
+    ht_triangle triangle;
+    if (!view->block) return tree->triangles[view->prims[i]];
+    for (uint32_t k = 0; k < 9; ++k) triangle.v[k / 3][k % 3] = view->block->v[k / 3][k % 3][i];
+    return triangle;
+}
+
+/* Walks rely on the order of lanes, and on zeros in those that hold no triangle. */
 static bool view_wide_leaf(const htree *tree, const ht_wide_leaf *leaf, ht_node_view *view) {
-    if (leaf->count < 1 || leaf->count > HT_LANES || leaf->objects > leaf->count) return false;
+    const uint32_t count = ht_wide_leaf_count(leaf);
     for (uint32_t i = 0; i < HT_LANES; ++i) {
-        const bool object = i >= leaf->count - leaf->objects;
         const uint32_t prim = leaf->prim[i];
-        if (i < leaf->count && object != (prim >= tree->triangle_count)) return false;
-        for (uint32_t k = 0; k < 9; ++k) {
-            const float should = object ? 0 : tree->triangles[prim].v[k / 3][k % 3];
-            if (leaf->v[k / 3][k % 3][i] != should) return false;
+        if (i < count ? prim >= HT_WIDE_LEAF : prim != HT_WIDE_NONE) return false;
+        if (i > 0 && i < count && prim < tree->triangle_count &&
+            leaf->prim[i - 1] >= tree->triangle_count)
+            return false;
+        for (uint32_t k = 0; k < 9 && prim >= tree->triangle_count; ++k) {
+            if (leaf->v[k / 3][k % 3][i] != 0) return false;
         }
     }
-    view_leaf(view, leaf->prim, leaf->count);
-    return true;
+    view_leaf(view, leaf->prim, count);
+    view->block = leaf;
+    return count > 0;
 }
 
 /* Leaves are seen as slots that follow those of the nodes. */

@@ -28,9 +28,13 @@ typedef struct ht_node_view {
     uint32_t slots;        /* that the node takes */
     const uint32_t *prims; /* of a leaf */
     uint32_t prim_count;
+    const ht_wide_leaf *block; /* of a wide leaf: the triangles themselves */
     uint32_t child_count;
     ht_place child[8];
 } ht_node_view;
+
+/* Corners of triangle i of a viewed leaf. */
+ht_triangle ht_view_triangle(const htree *tree, const ht_node_view *view, uint32_t i);
 
 ht_place ht_root_place(const htree *tree);
 

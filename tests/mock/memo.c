@@ -19,7 +19,8 @@ htree_status __wrap_htree_intersect(const htree *tree, const htree_ray *rays, ui
     uint64_t question = mock_hash((uint64_t)view.kind, &view.bounds, sizeof view.bounds);
     question = mock_hash(question, view.nodes, (size_t)view.node_bytes);
     question = mock_hash(question, view.leaves, (size_t)view.leaf_bytes);
-    question = mock_hash(question, view.triangles, 36 * (size_t)view.triangle_count);
+    if (view.triangles)
+        question = mock_hash(question, view.triangles, 36 * (size_t)view.triangle_count);
     question = mock_hash(question, rays, (size_t)count * sizeof *rays);
     if (mock_remember(question, hits, (size_t)count * sizeof *hits)) return HTREE_OK;
     const htree_status status = __real_htree_intersect(tree, rays, count, hits, query);

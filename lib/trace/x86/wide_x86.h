@@ -97,9 +97,11 @@ HT_TARGET HT_INLINE void take_lane(const ht_wide_leaf *leaf, uint32_t corner, ui
 
 HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf, stream *s,
                                      bool any) {
-    for (uint32_t i = leaf->count - leaf->objects; i < leaf->count; ++i) {
-        if (!ht_meets_object(tree, leaf->prim[i], &s->r, s->hit.t)) continue;
-        if (ht_intersect_prim(tree, leaf->prim[i], s->ray, &s->r, &s->hit) && any) return true;
+    for (uint32_t i = ht_wide_leaf_count(leaf); i > 0; --i) {
+        const uint32_t prim = leaf->prim[i - 1];
+        if (prim < tree->triangle_count) break;
+        if (!ht_meets_object(tree, prim, &s->r, s->hit.t)) continue;
+        if (ht_intersect_prim(tree, prim, s->ray, &s->r, &s->hit) && any) return true;
     }
     return false;
 }
@@ -116,8 +118,8 @@ HT_TARGET HT_INLINE bool step_leaf(const htree *tree, const ht_wide_leaf *leaf, 
     const __m256 most = _mm256_max_ps(_mm256_max_ps(u, v), w);
     const __m256 outside = _mm256_and_ps(_mm256_cmp_ps(least, zero, _CMP_LT_OQ),
                                          _mm256_cmp_ps(most, zero, _CMP_GT_OQ));
-    const uint32_t triangles = leaf->count - leaf->objects;
-    uint32_t mask = ~(uint32_t)_mm256_movemask_ps(outside) & ((1u << triangles) - 1);
+    const __m256 idle = _mm256_load_ps((const float *)(const void *)leaf->prim);
+    uint32_t mask = 255 & ~(uint32_t)_mm256_movemask_ps(_mm256_or_ps(outside, idle));
     for (; mask; mask &= mask - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(mask);
         float p[3][3];
@@ -127,7 +129,7 @@ HT_TARGET HT_INLINE bool step_leaf(const htree *tree, const ht_wide_leaf *leaf, 
         ht_keep_nearer(&s->hit, &found, leaf->prim[i]);
         if (any) return true;
     }
-    return HT_UNLIKELY(leaf->objects) && step_objects(tree, leaf, s, any);
+    return HT_UNLIKELY(tree->object_count) && step_objects(tree, leaf, s, any);
 }
 
 /* ---- Rays in turn --------------------------------------------------------------------------- */

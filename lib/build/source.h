@@ -1,0 +1,82 @@
+/* source.h: triangles and objects straight from the caller's arrays, for builders that keep no copy
+ * of the mesh. */
+#ifndef HT_SOURCE_H
+#define HT_SOURCE_H
+
+#include "build.h"
+
+typedef struct ht_source {
+    const char *positions;
+    uint64_t stride, vertex_count;
+    const uint32_t *indices; /* NULL: as in htree_mesh */
+    uint32_t triangle_count, object_count;
+    const htree_box *boxes; /* of objects */
+} ht_source;
+
+ht_source ht_source_of(const htree_mesh *mesh);
+
+/* False for a box that is skipped: out of range, or without an order of its planes. */
+bool ht_is_box_in_range(const htree_box *box);
+
+/* GEOMETRY, and in words why the mesh is refused for a prim. */
+htree_status ht_refuse_prim(const ht_source *source, uint32_t prim, bool no_vertex);
+
+/* Corners of a triangle: the last lane means nothing. */
+typedef struct ht_corners {
+    ht_f4 v[3];
+} ht_corners;
+
+/* Index of corner k of triangle i, a vertex or beyond the last one. */
+HT_INLINE uint64_t ht_source_vertex(const ht_source *source, uint32_t i, uint32_t k) {
+    const uint64_t at = 3 * (uint64_t)i + k;
+    return source->indices ? source->indices[at] : at;
+}
+
+/* Reads four floats at once where another vertex follows, three at the end of the array. */
+HT_INLINE ht_f4 ht_source_position(const ht_source *source, uint64_t vertex) {
+    const char *const position = source->positions + vertex * source->stride;
+    if (HT_UNLIKELY(vertex + 1 == source->vertex_count)) {
+        float last[4] = {0, 0, 0, 0};
+        memcpy(last, position, 12);
+        return ht_f4_load(last);
+    }
+    return ht_f4_load((const float *)(const void *)position);
+}
+
+/* Of a triangle whose vertices are known to be there. */
+HT_INLINE ht_corners ht_source_corners(const ht_source *source, uint32_t i) {
+    ht_corners corners;
+    for (uint32_t k = 0; k < 3; ++k)
+        corners.v[k] = ht_source_position(source, ht_source_vertex(source, i, k));
+    return corners;
+}
+
+HT_INLINE bool ht_source_has_corners(const ht_source *source, uint32_t i) {
+    bool all = true;
+    for (uint32_t k = 0; k < 3; ++k) all &= ht_source_vertex(source, i, k) < source->vertex_count;
+    return all;
+}
+
+HT_INLINE ht_box4 ht_corners_box(const ht_corners *c) {
+    ht_box4 box;
+    box.lo = ht_f4_min(ht_f4_min(c->v[0], c->v[1]), c->v[2]);
+    box.hi = ht_f4_max(ht_f4_max(c->v[0], c->v[1]), c->v[2]);
+    return box;
+}
+
+/* Reads the box of a prim that can be hit, and its id. */
+HT_INLINE void ht_source_prim(const ht_source *source, uint32_t id, ht_prim *prim) {
+    if (id < source->triangle_count) {
+        const ht_corners corners = ht_source_corners(source, id);
+        const ht_box4 box = ht_corners_box(&corners);
+        ht_f4_store(prim->lo, box.lo);
+        ht_f4_store(prim->hi, box.hi);
+    } else {
+        const htree_box *box = &source->boxes[id - source->triangle_count];
+        memcpy(prim->lo, box->lo, sizeof box->lo);
+        memcpy(prim->hi, box->hi, sizeof box->hi);
+    }
+    ht_prim_set_id(prim, id);
+}
+
+#endif

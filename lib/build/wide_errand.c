@@ -1,0 +1,77 @@
+/* wide_errand.c: the subtree over the prims of a few cells.
+ *
+ * A node begins as one run of prims and splits the run with the largest box, until it has eight
+ * or all are leaves. A leaf tests its prims at once, so eq. 1 counts leaves where it has counted
+ * prims (`block_bits` of split.h): that fills leaves, and measured faster to build and to trace. */
+#include "wide.h"
+
+typedef struct building {
+    const htree_options *options;
+    ht_wide_part *part;
+    const ht_prim *prims;
+    ht_prim *spare;
+    uint32_t first;
+} building;
+
+/* Levels of nodes that so many prims need at least, every node full. */
+static uint32_t levels_needed(uint32_t count) {
+    uint32_t levels = 1;
+    for (uint64_t room = HT_LANES * HT_LANES; room < count; room *= HT_LANES) ++levels;
+    return levels;
+}
+
+static htree_status add_leaf(building *b, const ht_wide_run *run, uint32_t *child) {
+    *child = HT_WIDE_LEAF | (uint32_t)b->part->leaves.count;
+    ht_wide_leaf_run *leaf = (ht_wide_leaf_run *)ht_array_add(&b->part->leaves);
+    if (!leaf) return HTREE_ERROR_MEMORY;
+    leaf->first = b->first + (uint32_t)(run->items - b->prims);
+    leaf->count = run->count;
+    return HTREE_OK;
+}
+
+/* The subtree over a run, `level` nodes below the root, where `waiting` entries stand on a ray's
+ * stack already. */
+static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level, uint32_t waiting,
+                            uint32_t *child) {
+    ht_wide_run runs[HT_LANES];
+    uint32_t lane[HT_LANES], slot;
+    const bool scarce = level + levels_needed(all->count) >= HT_WIDE_LEVELS;
+    const uint32_t count = ht_wide_split(b->options, b->spare, all, scarce, false, runs);
+    HT_TRY(ht_wide_write_node(b->part, runs, count, &all->box, lane, &slot));
+    waiting += count - 1;
+    if (waiting > b->part->deepest) b->part->deepest = waiting;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t below;
+        HT_TRY(runs[i].count > HT_LANES ? subtree(b, &runs[i], level + 1, waiting, &below)
+                                        : add_leaf(b, &runs[i], &below));
+        ht_wide_set_child(b->part, slot, lane[i], below);
+    }
+    *child = slot;
+    return HTREE_OK;
+}
+
+static void gather(const ht_source *source, const ht_wide_cells *cells, const ht_wide_run *run,
+                   ht_prim *out) {
+    for (uint32_t i = 0; i < run->count; ++i) {
+        const uint32_t *order = cells->order + ht_cell_first(&run->items[i]);
+        const uint32_t count = ht_cell_prims(&run->items[i]);
+        for (uint32_t k = 0; k < count; ++k) ht_source_prim(source, order[k], out++);
+    }
+}
+
+htree_status ht_wide_run_errand(ht_builder *builder, const ht_source *source,
+                                const ht_wide_cells *cells, ht_wide_errand *errand,
+                                ht_wide_part *part, ht_prim *prims, ht_prim *spare) {
+    const uint32_t count = errand->cells.prims;
+    const ht_wide_run all = {prims, count, count, errand->cells.box};
+    building b = {builder->options, part, prims, spare, errand->first};
+    gather(source, cells, &errand->cells, prims);
+    /* A tree is never a leaf alone: walks begin with a node. */
+    if (count <= HT_LANES && errand->parent != HT_WIDE_NONE)
+        HT_TRY(add_leaf(&b, &all, &errand->child));
+    else
+        HT_TRY(subtree(&b, &all, errand->level, errand->waiting, &errand->child));
+    for (uint32_t i = 0; i < count; ++i)
+        cells->leaf_order[errand->first + i] = ht_prim_id(&prims[i]);
+    return HTREE_OK;
+}

@@ -1,0 +1,262 @@
+/* wide_scan.c: the first pass over a mesh: what can be hit, its bounds, and the cell of each prim
+ * in a grid over all of them (section 7.1), with exact boxes of what the cells hold.
+ *
+ * Each thread takes a chunk of the prims and has its own table of cells. Chunks follow each other in
+ * order of id, and so do the prims of a cell, so the result does not depend on how many there are. */
+#include "cells.h"
+#include "wide.h"
+
+enum {
+    MOST_CHUNKS = 16,
+    PRIMS_A_CHUNK = 4096,
+    PRIMS_A_CELL = 8, /* one of a few cells is occupied where prims form surfaces */
+    MOST_CELLS = 1 << 18,
+    CELLS_PAY = 2048 /* prims from which on a grid is worth its while */
+};
+
+typedef struct chunk {
+    uint32_t first, end; /* prims, triangles before objects */
+    htree_box extent;    /* of vertices and objects */
+    htree_box bounds;
+    uint32_t hittable;
+    uint64_t invalid, degenerate;
+    uint32_t bad; /* the first prim that the mesh is refused for */
+    bool no_vertex;
+    uint32_t *next; /* by cell: how many prims, then where the next one goes */
+    ht_box4 *boxes; /* by cell */
+} chunk;
+
+typedef struct scan {
+    const ht_builder *builder;
+    const ht_source *source;
+    ht_wide_cells *cells;
+    ht_wide_grid grid;
+    bool strict;
+    uint32_t chunks;
+    chunk part[MOST_CHUNKS];
+} scan;
+
+/* ---- How far the mesh reaches --------------------------------------------------------------- */
+
+static void add_extent(htree_box *extent, const float *lo, const float *hi) {
+    for (int k = 0; k < 3; ++k) {
+        if (ht_magnitude(lo[k]) <= HTREE_COORDINATE_MAX)
+            extent->lo[k] = ht_min(extent->lo[k], lo[k]);
+        if (ht_magnitude(hi[k]) <= HTREE_COORDINATE_MAX)
+            extent->hi[k] = ht_max(extent->hi[k], hi[k]);
+    }
+}
+
+static void measure_chunk(void *data, uint32_t index) {
+    scan *s = (scan *)data;
+    const ht_source *source = s->source;
+    chunk *c = &s->part[index];
+    const uint64_t first = source->vertex_count * index / s->chunks;
+    const uint64_t end = source->vertex_count * (index + 1) / s->chunks;
+    for (uint64_t i = first; i < end; ++i) {
+        float p[3];
+        memcpy(p, source->positions + i * source->stride, sizeof p);
+        add_extent(&c->extent, p, p);
+    }
+    const uint32_t triangles = source->triangle_count;
+    for (uint32_t i = c->first < triangles ? triangles : c->first; i < c->end; ++i)
+        add_extent(&c->extent, source->boxes[i - triangles].lo, source->boxes[i - triangles].hi);
+}
+
+static void shape_grid(scan *s) {
+    const uint64_t prims = (uint64_t)s->source->triangle_count + s->source->object_count;
+    const double wanted = prims < CELLS_PAY ? 1 : (double)prims / PRIMS_A_CELL;
+    htree_box all = ht_box_empty();
+    for (uint32_t i = 0; i < s->chunks; ++i) ht_box_add(&all, &s->part[i].extent);
+    for (int k = 0; k < 3; ++k) {
+        all.lo[k] *= 2;
+        all.hi[k] *= 2;
+    }
+    ht_wide_grid_shape(&s->grid, &all, wanted < MOST_CELLS ? wanted : MOST_CELLS);
+}
+
+/* ---- Every prim ----------------------------------------------------------------------------- */
+
+enum { AXES = 7 /* lanes that mean something */ };
+
+/* NaN and infinity are in the sum of all corners, where min and max could have lost a NaN. */
+HT_INLINE bool is_in_range(const ht_corners *c, const ht_box4 *box) {
+    const ht_f4 limit = ht_f4_all(HTREE_COORDINATE_MAX);
+    const ht_f4 sum = ht_f4_add(ht_f4_add(c->v[0], c->v[1]), c->v[2]);
+    const uint32_t finite = ht_f4_above(ht_f4_sub(sum, sum), ht_f4_all(-1));
+    const uint32_t beyond =
+        ht_f4_above(box->hi, limit) | ht_f4_above(ht_f4_sub(ht_f4_all(0), limit), box->lo);
+    return (~finite & AXES) == 0 && (beyond & AXES) == 0;
+}
+
+/* Settles nearly all triangles: a component of the cross product carries five roundings, so one that
+ * stands out by more than 2^-20 is not 0. */
+HT_INLINE bool has_area_in_float(const ht_corners *c) {
+    const ht_f4 a = ht_f4_sub(c->v[1], c->v[0]), b = ht_f4_sub(c->v[2], c->v[0]);
+    const ht_f4 p = ht_f4_mul(a, ht_f4_rotate(b)), q = ht_f4_mul(ht_f4_rotate(a), b);
+    const ht_f4 sum = ht_f4_add(ht_f4_magnitude(p), ht_f4_magnitude(q));
+    const ht_f4 error = ht_f4_add(ht_f4_mul(sum, ht_f4_all(1e-6f)), ht_f4_all(1e-30f));
+    return (ht_f4_above(ht_f4_magnitude(ht_f4_sub(p, q)), error) & AXES) != 0;
+}
+
+static HT_NOINLINE bool is_degenerate(const ht_corners *c) {
+    float v[3][4];
+    for (int k = 0; k < 3; ++k) ht_f4_store(v[k], c->v[k]);
+    return ht_triangle_is_degenerate(v[0], v[1], v[2]);
+}
+
+HT_INLINE void add_prim(scan *s, chunk *c, uint32_t i, const ht_box4 *box, ht_box4 *bounds) {
+    const uint32_t cell = ht_wide_grid_cell(&s->grid, box->lo, box->hi);
+    s->cells->leaf_order[i] = cell;
+    ++c->next[cell];
+    ++c->hittable;
+    ht_box4_add(&c->boxes[cell], box->lo, box->hi);
+    ht_box4_add(bounds, box->lo, box->hi);
+}
+
+/* Returns false if the mesh is to be refused. */
+HT_INLINE bool scan_triangle(scan *s, chunk *c, uint32_t i, ht_box4 *bounds) {
+    c->no_vertex = !ht_source_has_corners(s->source, i);
+    if (HT_UNLIKELY(c->no_vertex)) return false;
+    const ht_corners corners = ht_source_corners(s->source, i);
+    const ht_box4 box = ht_corners_box(&corners);
+    const bool valid = is_in_range(&corners, &box);
+    if (valid && (has_area_in_float(&corners) || !is_degenerate(&corners))) {
+        add_prim(s, c, i, &box, bounds);
+        return true;
+    }
+    s->cells->leaf_order[i] = HTREE_NONE;
+    if (valid)
+        ++c->degenerate;
+    else
+        ++c->invalid;
+    return valid || !s->strict;
+}
+
+static bool scan_object(scan *s, chunk *c, uint32_t i, ht_box4 *bounds) {
+    ht_prim prim;
+    if (ht_is_box_in_range(&s->source->boxes[i - s->source->triangle_count])) {
+        ht_source_prim(s->source, i, &prim);
+        const ht_box4 box = ht_prim_box4(&prim);
+        add_prim(s, c, i, &box, bounds);
+        return true;
+    }
+    s->cells->leaf_order[i] = HTREE_NONE;
+    ++c->invalid;
+    return !s->strict;
+}
+
+static void scan_chunk(void *data, uint32_t index) {
+    scan *s = (scan *)data;
+    chunk *c = &s->part[index];
+    ht_box4 bounds = ht_box4_empty();
+    memset(c->next, 0, s->grid.total * sizeof *c->next);
+    for (uint32_t cell = 0; cell < s->grid.total; ++cell) c->boxes[cell] = ht_box4_empty();
+    for (uint32_t i = c->first; i < c->end; ++i) {
+        const bool fine = i < s->source->triangle_count ? scan_triangle(s, c, i, &bounds)
+                                                        : scan_object(s, c, i, &bounds);
+        if (fine) continue;
+        c->bad = i;
+        return;
+    }
+    c->bounds = ht_box4_box(&bounds);
+}
+
+/* ---- Sort ----------------------------------------------------------------------------------- */
+
+/* Turns counts into places, cell by cell and chunk by chunk, and lists the cells that hold any. */
+static htree_status list_cells(scan *s) {
+    uint32_t place = 0;
+    for (uint32_t cell = 0; cell < s->grid.total; ++cell) {
+        const uint32_t first = place;
+        ht_box4 box = ht_box4_empty();
+        for (uint32_t i = 0; i < s->chunks; ++i) {
+            chunk *c = &s->part[i];
+            const uint32_t count = c->next[cell];
+            c->next[cell] = place;
+            place += count;
+            ht_box4_add(&box, c->boxes[cell].lo, c->boxes[cell].hi);
+        }
+        if (place == first) continue;
+        ht_prim *listed = (ht_prim *)ht_array_add(&s->cells->cells);
+        if (!listed) return HTREE_ERROR_MEMORY;
+        ht_f4_store(listed->lo, box.lo);
+        ht_f4_store(listed->hi, box.hi);
+        ht_cell_set_range(listed, first, place - first);
+    }
+    return HTREE_OK;
+}
+
+static void sort_chunk(void *data, uint32_t index) {
+    scan *s = (scan *)data;
+    chunk *c = &s->part[index];
+    for (uint32_t i = c->first; i < c->end; ++i) {
+        const uint32_t cell = s->cells->leaf_order[i];
+        if (cell != HTREE_NONE) s->cells->order[c->next[cell]++] = i;
+    }
+}
+
+/* ---- All of it ------------------------------------------------------------------------------ */
+
+static htree_status join_chunks(const scan *s) {
+    htree *tree = s->builder->tree;
+    for (uint32_t i = 0; i < s->chunks; ++i) {
+        const chunk *c = &s->part[i];
+        if (c->bad != HTREE_NONE) return ht_refuse_prim(s->source, c->bad, c->no_vertex);
+        tree->prim_count += c->hittable;
+        tree->invalid += c->invalid;
+        tree->degenerate += c->degenerate;
+        ht_box_add(&tree->bounds, &c->bounds);
+    }
+    return HTREE_OK;
+}
+
+static void cut_chunks(scan *s) {
+    const uint64_t prims = (uint64_t)s->source->triangle_count + s->source->object_count;
+    const htree_options *options = s->builder->options;
+    uint64_t chunks = prims / PRIMS_A_CHUNK + 1;
+    const uint32_t threads = ht_thread_count(&options->tasks, options->threads);
+    if (chunks > threads) chunks = threads;
+    if (chunks > MOST_CHUNKS) chunks = MOST_CHUNKS;
+    s->chunks = (uint32_t)chunks;
+    for (uint32_t i = 0; i < s->chunks; ++i) {
+        chunk *c = &s->part[i];
+        c->first = (uint32_t)(prims * i / chunks);
+        c->end = (uint32_t)(prims * (i + 1) / chunks);
+        c->extent = c->bounds = ht_box_empty();
+        c->bad = HTREE_NONE;
+    }
+}
+
+static htree_status scan_and_sort(scan *s) {
+    ht_builder_run(s->builder, s->chunks, scan_chunk, s);
+    HT_TRY(join_chunks(s));
+    HT_TRY(list_cells(s));
+    ht_builder_run(s->builder, s->chunks, sort_chunk, s);
+    return HTREE_OK;
+}
+
+htree_status ht_wide_scan(ht_builder *builder, const ht_source *source, ht_wide_cells *cells) {
+    ht_memory *memory = &builder->tree->memory;
+    scan s;
+    memset(&s, 0, sizeof s);
+    s.builder = builder;
+    s.source = source;
+    s.cells = cells;
+    s.strict = (builder->options->flags & HTREE_STRICT) != 0;
+    cut_chunks(&s);
+    ht_builder_run(builder, s.chunks, measure_chunk, &s);
+    shape_grid(&s);
+    const uint64_t cell_bytes = sizeof(uint32_t) + sizeof(ht_box4);
+    const uint64_t bytes = s.chunks * cell_bytes * s.grid.total;
+    char *tables = (char *)ht_allocate(memory, bytes);
+    if (!tables) return HTREE_ERROR_MEMORY;
+    for (uint32_t i = 0; i < s.chunks; ++i) {
+        s.part[i].boxes = (ht_box4 *)(void *)tables + (size_t)i * s.grid.total;
+        s.part[i].next = (uint32_t *)(void *)(tables + s.chunks * sizeof(ht_box4) * s.grid.total) +
+                         (size_t)i * s.grid.total;
+    }
+    const htree_status status = scan_and_sort(&s);
+    ht_release(memory, tables, bytes);
+    return status;
+}
