@@ -186,7 +186,10 @@ HTREE_API htree_kind htree_kind_from_name(const char *name);
 enum {
     HTREE_STRICT = 1, /* refuse NaN, infinite and oversize coordinates instead of skipping them */
     HTREE_ANY_PLANES = 2,  /* H, AH: bounding nodes of any of 63 plane sets, not BV2 and BV6 only */
-    HTREE_LOOSE_PLANES = 4 /* AH: planes as the grid gives them, half a cell wide (section 7.1) */
+    HTREE_LOOSE_PLANES = 4, /* AH: planes as the grid gives them, half a cell wide (section 7.1) */
+    HTREE_MORTON = 8, /* WIDE: Morton order below the grid: faster to build, slower to trace */
+    HTREE_LAZY = 16   /* WIDE: only the top is built, the rest by the first ray that gets there; the
+                         mesh's arrays must stay as they are until htree_complete or htree_free */
 };
 
 /* How to build. htree_options_init writes every default; change what you need after it. */
@@ -235,11 +238,19 @@ typedef struct htree htree;
  *            HTREE_COORDINATE_MAX, and boxes with lo > hi, are skipped (HTREE_STRICT: refused);
  *            triangles without area are never hit. Both are counted in htree_stats. No triangles
  *            at all is fine: every ray misses.
+ * Lazy       with HTREE_LAZY a query may build parts of the tree, on its own threads and in memory that
+ *            the build has set aside, so it cannot fail for it.
  * Threads    independent builds may run at once.
  * Errors     ARGUMENT, MEMORY, LIMIT, GEOMETRY, CANCELLED, UNSUPPORTED; then *out is NULL.
  * NULL       options: the defaults of HTREE_BALANCED. Nothing else may be NULL. */
 HTREE_API htree_status htree_build(htree **out, const htree_mesh *mesh,
                                    const htree_options *options);
+
+/* Builds what rays have not reached yet of a tree with HTREE_LAZY, which from then on is as any other,
+ * and has the bytes that HTREE_MORTON gives; does nothing to any other tree. On all cores. No query may
+ * be running on it. Hits are the same before and after.
+ * Errors     ARGUMENT. */
+HTREE_API htree_status htree_complete(htree *tree);
 
 /* Frees the tree. NULL is allowed. No query may be running on it. */
 HTREE_API void htree_free(htree *tree);
@@ -309,6 +320,7 @@ typedef struct htree_stats {
     uint64_t peak_bytes;  /* most memory held at any time of the build */
     double build_seconds; /* T_C, wall clock */
     double sah_cost; /* expected cost of a random ray that meets the bounds, in the options' unit */
+    uint64_t subtrees, subtrees_built; /* HTREE_LAZY: left to rays, and built by now; else 0 */
 } htree_stats;
 
 /* Fills *stats, whose `size` the caller has set. Walks the tree: O(nodes). Any thread.
@@ -337,7 +349,7 @@ typedef struct htree_view {
 } htree_view;
 
 /* Fills *view, whose `size` the caller has set. Any thread.
- * Errors     ARGUMENT. */
+ * Errors     ARGUMENT; UNSUPPORTED for a lazy tree before htree_complete. */
 HTREE_API htree_status htree_get_view(const htree *tree, htree_view *view);
 
 /* Proves the structure: every node is reached once, every box and plane contains what lies below

@@ -222,8 +222,12 @@ static void with_options(const htree_mesh *mesh, const htree_options *options,
 static void with_all_options(const htree_mesh *mesh, htree_kind kind, const htree_ray *rays,
                              const htree_hit *truth, uint64_t count) {
     static const uint32_t axes[] = {1, 3}, buckets[] = {2, 3, 4, 16, 64}, few[] = {1, 20, 1000};
-    static const uint32_t flags[] = {0, HTREE_ANY_PLANES, HTREE_LOOSE_PLANES | HTREE_ANY_PLANES,
-                                     HTREE_STRICT};
+    static const uint32_t flags[] = {0,
+                                     HTREE_ANY_PLANES,
+                                     HTREE_LOOSE_PLANES | HTREE_ANY_PLANES,
+                                     HTREE_STRICT,
+                                     HTREE_MORTON,
+                                     HTREE_LAZY};
     static const float cells[] = {1, 64, 1.0f / 64, 7};
     static const float costs[][4] = {{1, 1, 1, 1},     {1, 100, 100, 1},    {100, 1, 100, 1},
                                      {100, 100, 1, 1}, {1e-6f, 1, 1, 1e6f}, {1, 2, 3, 1e-3f}};

@@ -114,3 +114,9 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
     *out = tree;
     return HTREE_OK;
 }
+
+htree_status htree_complete(htree *tree) {
+    HT_TRY(ht_tree_verify(tree));
+    if (tree->lazy) tree->lazy->complete(tree);
+    return HTREE_OK;
+}

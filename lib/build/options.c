@@ -20,6 +20,9 @@ static const struct {
 };
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 
+static const uint32_t KNOWN_FLAGS =
+    HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES | HTREE_MORTON | HTREE_LAZY;
+
 /* The struct as version 0.1 knew it. */
 enum { FIRST_OPTIONS_SIZE = sizeof(htree_options) };
 
@@ -41,7 +44,7 @@ htree_kind htree_kind_from_name(const char *name) {
  * ahead of all others in building and in tracing; more axes cost it time and gained nothing. */
 static void resolve_preset(htree_options *options) {
     if (options->kind < HTREE_FAST) return;
-    if (options->kind == HTREE_FAST) options->buckets = 16;
+    if (options->kind == HTREE_FAST) options->flags |= HTREE_MORTON;
     if (options->kind == HTREE_BEST) options->buckets = 64;
     options->kind = HTREE_WIDE;
 }
@@ -100,7 +103,7 @@ htree_status ht_options_read(const htree_options *given, htree_options *options)
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.kind is %ld: no htree_kind",
                        (long)options->kind);
     }
-    if (options->flags & ~(uint32_t)(HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES)) {
+    if (options->flags & ~KNOWN_FLAGS) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.flags is %#lx: unknown bits",
                        (unsigned long)options->flags);
     }

@@ -1,11 +1,12 @@
-/* wide.h: what the files of the wide tree's builder share.
+/* wide.h: what the files of the wide tree's builder share, in the order of the work.
  *
- *     wide_scan.c     every triangle once: what can be hit, and its cell
- *     wide_cells.c    prims sorted by cell; crowded cells get a grid of their own
+ *     wide.c          all of it
+ *     wide_scan.c     every prim once: what can be hit, and its cell
+ *     wide_cells.c    finer grids in crowded cells
  *     wide_top.c      the top of the tree over cells, and errands below it
- *     wide_errand.c   the subtree of an errand, over prims
+ *     wide_cost.c     errands by cost, joined into a tree;  wide_errand.c: one of them
+ *     wide_order.c    errands by Morton order, at once or lazily;  wide_morton.c: one of them
  *     wide_nodes.c    nodes and leaves as walks read them
- *     wide.c          all of it, in order, on all cores
  */
 #ifndef HT_WIDE_H
 #define HT_WIDE_H
@@ -29,21 +30,23 @@ typedef struct ht_wide_cells {
     uint32_t *leaf_order; /* scratch, then the prims in the order of leaves */
 } ht_wide_cells;
 
-/* At most `wanted` cells over the box of centroids. */
+/* At most `wanted` near-cubes over the box of centroids; or `cells` along each axis. */
 void ht_wide_grid_shape(ht_wide_grid *grid, const htree_box *centroids, double wanted);
+void ht_wide_grid_cut(ht_wide_grid *grid, const htree_box *centroids, uint32_t cells);
+
+HT_INLINE void ht_wide_grid_at(const ht_wide_grid *grid, ht_f4 lo, ht_f4 hi, int32_t at[4]) {
+    const ht_f4 c = ht_f4_sub(ht_f4_add(lo, hi), ht_f4_load(grid->origin));
+    ht_f4_store_int(at, ht_f4_min(ht_f4_mul(c, ht_f4_load(grid->scale)), ht_f4_load(grid->last)));
+}
 
 HT_INLINE uint32_t ht_wide_grid_cell(const ht_wide_grid *grid, ht_f4 lo, ht_f4 hi) {
-    const ht_f4 c = ht_f4_sub(ht_f4_add(lo, hi), ht_f4_load(grid->origin));
     int32_t at[4];
-    ht_f4_store_int(at, ht_f4_min(ht_f4_mul(c, ht_f4_load(grid->scale)), ht_f4_load(grid->last)));
+    ht_wide_grid_at(grid, lo, hi, at);
     return ((uint32_t)at[2] * grid->cells[1] + (uint32_t)at[1]) * grid->cells[0] + (uint32_t)at[0];
 }
 
-/* wide_scan.c: sets the tree's bounds and counts, and sorts what can be hit into cells. */
-htree_status ht_wide_scan(ht_builder *builder, const ht_source *source, ht_wide_cells *cells);
-
-/* wide_cells.c: replaces crowded cells by finer ones. */
-htree_status ht_wide_refine(ht_builder *builder, const ht_source *source, ht_wide_cells *cells);
+/* The most prims of a cell, unless it is the only one. */
+#define HT_WIDE_CELL_PRIMS 512u
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
 
@@ -76,12 +79,17 @@ void ht_wide_part_begin(ht_wide_part *part, ht_memory *memory);
 void ht_wide_part_end(ht_wide_part *part);
 
 /* wide_nodes.c: a node over runs, its children still to come: run i belongs into lane[i]. */
+void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
+                       const htree_box *box, uint32_t lane[HT_LANES]);
 htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
                                 const htree_box *box, uint32_t lane[HT_LANES], uint32_t *slot);
 
 HT_INLINE void ht_wide_set_child(ht_wide_part *part, uint32_t slot, uint32_t lane, uint32_t child) {
     ((ht_wide_node *)ht_array_at(&part->nodes, slot))->child[lane] = child;
 }
+
+/* A leaf over a range of leaf_order. */
+htree_status ht_wide_add_leaf(ht_wide_part *part, uint32_t first, uint32_t count, uint32_t *child);
 
 /* A leaf of at most HT_LANES prims; user objects come last. */
 void ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
@@ -95,21 +103,61 @@ typedef struct ht_wide_errand {
     uint32_t first;          /* where its prims go in leaf_order */
     uint32_t level, waiting; /* nodes above it, and what can wait on a ray's stack there */
     uint32_t parent, lane;   /* in the top: what it is a child of; HT_WIDE_NONE: it is the tree */
-    uint32_t child;          /* counted from the start of its group's part */
+    uint32_t child;          /* by cost: counted from the start of its group's part */
+    uint32_t node, leaf;     /* by order: where its nodes and leaves begin */
 } ht_wide_errand;
 
-/* wide_top.c: the top of the tree, and the errands below it. */
 typedef struct ht_wide_top {
     ht_wide_part part;
     ht_array errands; /* of ht_wide_errand */
     uint32_t prims;   /* of the errands so far */
 } ht_wide_top;
 
-htree_status ht_wide_build_top(ht_builder *builder, const ht_wide_cells *cells, ht_wide_top *top);
+/* ---- The build ------------------------------------------------------------------------------ */
 
-/* wide_errand.c: builds the subtree of an errand; prims and spare hold as many prims as it has. */
-htree_status ht_wide_run_errand(ht_builder *builder, const ht_source *source,
-                                const ht_wide_cells *cells, ht_wide_errand *errand,
+typedef struct ht_wide_build {
+    ht_builder *builder;
+    ht_source source;
+    uint32_t prims; /* of the mesh, skipped ones included */
+    ht_wide_cells cells;
+    ht_wide_top top;
+} ht_wide_build;
+
+HT_INLINE ht_wide_errand *ht_wide_errand_at(const ht_wide_build *build, uint32_t i) {
+    return (ht_wide_errand *)ht_array_at(&build->top.errands, i);
+}
+
+HT_INLINE void ht_wide_set_parent(const htree *tree, const ht_wide_errand *errand, uint32_t child) {
+    if (errand->parent != HT_WIDE_NONE)
+        ((ht_wide_node *)tree->nodes)[errand->parent].child[errand->lane] = child;
+}
+
+/* wide.c: memory for the finished tree. */
+htree_status ht_wide_allocate(htree *tree, uint64_t nodes, uint64_t leaves);
+
+/* wide_scan.c: sets the tree's bounds and counts, and sorts what can be hit into cells. */
+htree_status ht_wide_scan(ht_wide_build *build);
+
+/* wide_cells.c: replaces crowded cells by finer ones. */
+htree_status ht_wide_refine(ht_wide_build *build);
+
+/* wide_top.c */
+htree_status ht_wide_build_top(ht_wide_build *build);
+
+/* wide_cost.c and wide_errand.c: prims and spare hold as many prims as the errand has. */
+htree_status ht_wide_finish_by_cost(ht_wide_build *build);
+htree_status ht_wide_run_errand(const ht_wide_build *build, ht_wide_errand *errand,
                                 ht_wide_part *part, ht_prim *prims, ht_prim *spare);
+void ht_wide_gather(const ht_source *source, const uint32_t *order, const ht_wide_run *cells,
+                    ht_prim *out);
+
+/* wide_order.c and wide_morton.c: nodes, leaves and stack entries that a subtree takes; and the
+ * subtree of an errand of at most HT_WIDE_CELL_PRIMS, into its place. */
+htree_status ht_wide_finish_by_order(ht_wide_build *build);
+uint32_t ht_wide_morton_nodes(uint32_t prims);
+uint32_t ht_wide_morton_leaves(uint32_t prims);
+uint32_t ht_wide_morton_stack(uint32_t prims);
+void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32_t *order,
+                        const ht_wide_errand *errand);
 
 #endif

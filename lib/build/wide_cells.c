@@ -8,10 +8,23 @@
 
 enum {
     CROWDED = 384, /* prims: what an errand is for, and the waste of an uneven cell */
+    ALONE = 2048,  /* prims of a mesh that needs no grid */
     PRIMS_A_CELL = 8,
     MOST_CELLS = 1 << 15,
     GROUPS = 32
 };
+
+static void set_scales(ht_wide_grid *grid, const htree_box *centroids) {
+    for (int i = 0; i < 3; ++i) {
+        const float extent = centroids->hi[i] - centroids->lo[i];
+        const float scale = (float)grid->cells[i] / extent;
+        grid->origin[i] = extent >= 0 ? centroids->lo[i] : 0;
+        /* A denormal extent makes the scale infinite; such centroids count as equal. */
+        grid->scale[i] = extent > 0 && scale <= 1e37f ? scale : 0;
+        grid->last[i] = (float)(grid->cells[i] - 1);
+    }
+    grid->total = grid->cells[0] * grid->cells[1] * grid->cells[2];
+}
 
 void ht_wide_grid_shape(ht_wide_grid *grid, const htree_box *centroids, double wanted) {
     float size[3];
@@ -20,16 +33,13 @@ void ht_wide_grid_shape(ht_wide_grid *grid, const htree_box *centroids, double w
     if (centroids->lo[0] < centroids->hi[0] || centroids->lo[1] < centroids->hi[1] ||
         centroids->lo[2] < centroids->hi[2])
         ht_cubic_cells(centroids, wanted, grid->cells, size);
-    for (int i = 0; i < 3; ++i) {
-        const float extent = centroids->hi[i] - centroids->lo[i];
-        const float scale = (float)grid->cells[i] / extent;
-        grid->origin[i] = centroids->lo[i];
-        /* A denormal extent makes the scale infinite; such centroids count as equal. */
-        grid->scale[i] = extent > 0 && scale <= 1e37f ? scale : 0;
-        if (!(extent >= 0)) grid->origin[i] = 0;
-        grid->last[i] = (float)(grid->cells[i] - 1);
-    }
-    grid->total = grid->cells[0] * grid->cells[1] * grid->cells[2];
+    set_scales(grid, centroids);
+}
+
+void ht_wide_grid_cut(ht_wide_grid *grid, const htree_box *centroids, uint32_t cells) {
+    memset(grid, 0, sizeof *grid);
+    for (int i = 0; i < 3; ++i) grid->cells[i] = cells;
+    set_scales(grid, centroids);
 }
 
 /* ---- One crowded cell ----------------------------------------------------------------------- */
@@ -42,7 +52,7 @@ typedef struct group {
 } group;
 
 typedef struct refining {
-    ht_builder *builder;
+    ht_memory *memory;
     const ht_source *source;
     ht_wide_cells *cells;
     ht_array crowded; /* of ht_prim */
@@ -109,6 +119,29 @@ static bool is_worth_refining(const ht_prim *cell, uint32_t parent_prims) {
     return prims > CROWDED && prims <= parent_prims / 8 * 7;
 }
 
+/* Cuts a cell that no grid separates into pieces, in the order of its prims. */
+static htree_status add_pieces(const refining *r, const ht_prim *cell, ht_array *fine) {
+    const uint32_t first = ht_cell_first(cell), prims = ht_cell_prims(cell);
+    const uint32_t pieces = (prims + HT_WIDE_CELL_PRIMS - 1) / HT_WIDE_CELL_PRIMS;
+    for (uint32_t i = 0; i < pieces; ++i) {
+        const uint32_t start = (uint32_t)((uint64_t)prims * i / pieces);
+        const uint32_t end = (uint32_t)((uint64_t)prims * (i + 1) / pieces);
+        ht_box4 box = ht_prim_box4(cell);
+        for (uint32_t k = start; k < end && pieces > 1; ++k) {
+            ht_prim prim;
+            ht_source_prim(r->source, r->cells->order[first + k], &prim);
+            if (k == start) box = ht_prim_box4(&prim);
+            ht_box4_add(&box, ht_f4_load(prim.lo), ht_f4_load(prim.hi));
+        }
+        ht_prim *listed = (ht_prim *)ht_array_add(fine);
+        if (!listed) return HTREE_ERROR_MEMORY;
+        ht_f4_store(listed->lo, box.lo);
+        ht_f4_store(listed->hi, box.hi);
+        ht_cell_set_range(listed, first + start, end - start);
+    }
+    return HTREE_OK;
+}
+
 /* Refines a cell, and what is still crowded afterwards, in place of it in the list. */
 static htree_status refine_deeply(const refining *r, const ht_prim *cell, bench *b, ht_array *fine,
                                   uint32_t levels) {
@@ -117,13 +150,9 @@ static htree_status refine_deeply(const refining *r, const ht_prim *cell, bench 
     htree_status status = refine_cell(r, cell, b, &here);
     for (uint64_t i = 0; i < here.count && status == HTREE_OK; ++i) {
         const ht_prim *sub = (const ht_prim *)ht_array_at(&here, i);
-        if (levels > 0 && is_worth_refining(sub, ht_cell_prims(cell))) {
-            status = refine_deeply(r, sub, b, fine, levels - 1);
-            continue;
-        }
-        ht_prim *listed = (ht_prim *)ht_array_add(fine);
-        if (!listed) status = HTREE_ERROR_MEMORY;
-        if (listed) *listed = *sub;
+        status = levels > 0 && is_worth_refining(sub, ht_cell_prims(cell))
+                     ? refine_deeply(r, sub, b, fine, levels - 1)
+                     : add_pieces(r, sub, fine);
     }
     ht_array_end(&here);
     return status;
@@ -145,7 +174,7 @@ static htree_status refine_on(const refining *r, group *g, bench *b) {
 static void refine_group(void *data, uint32_t index) {
     refining *r = (refining *)data;
     group *g = &r->groups[index];
-    ht_memory *memory = &r->builder->tree->memory;
+    ht_memory *memory = r->memory;
     uint64_t most = 0;
     for (uint32_t i = g->first; i < g->end; ++i) {
         const uint32_t prims = ht_cell_prims((const ht_prim *)ht_array_at(&r->crowded, i));
@@ -209,15 +238,16 @@ static htree_status join_groups(refining *r) {
     return HTREE_OK;
 }
 
-htree_status ht_wide_refine(ht_builder *builder, const ht_source *source, ht_wide_cells *cells) {
+htree_status ht_wide_refine(ht_wide_build *build) {
+    const ht_builder *builder = build->builder;
     refining r;
     uint64_t prims;
     memset(&r, 0, sizeof r);
-    r.builder = builder;
-    r.source = source;
-    r.cells = cells;
-    if (cells->cells.count <= 1) return HTREE_OK;
-    ht_array_begin(&r.crowded, &builder->tree->memory, sizeof(ht_prim));
+    r.memory = &builder->tree->memory;
+    r.source = &build->source;
+    r.cells = &build->cells;
+    if (builder->tree->prim_count <= ALONE && build->cells.cells.count == 1) return HTREE_OK;
+    ht_array_begin(&r.crowded, r.memory, sizeof(ht_prim));
     htree_status status = take_crowded(&r, &prims);
     if (status == HTREE_OK) {
         group_crowded(&r, prims);

@@ -21,12 +21,8 @@ static uint32_t levels_needed(uint32_t count) {
 }
 
 static htree_status add_leaf(building *b, const ht_wide_run *run, uint32_t *child) {
-    *child = HT_WIDE_LEAF | (uint32_t)b->part->leaves.count;
-    ht_wide_leaf_run *leaf = (ht_wide_leaf_run *)ht_array_add(&b->part->leaves);
-    if (!leaf) return HTREE_ERROR_MEMORY;
-    leaf->first = b->first + (uint32_t)(run->items - b->prims);
-    leaf->count = run->count;
-    return HTREE_OK;
+    return ht_wide_add_leaf(b->part, b->first + (uint32_t)(run->items - b->prims), run->count,
+                            child);
 }
 
 /* The subtree over a run, `level` nodes below the root, where `waiting` entries stand on a ray's
@@ -50,28 +46,28 @@ static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level,
     return HTREE_OK;
 }
 
-static void gather(const ht_source *source, const ht_wide_cells *cells, const ht_wide_run *run,
-                   ht_prim *out) {
-    for (uint32_t i = 0; i < run->count; ++i) {
-        const uint32_t *order = cells->order + ht_cell_first(&run->items[i]);
-        const uint32_t count = ht_cell_prims(&run->items[i]);
-        for (uint32_t k = 0; k < count; ++k) ht_source_prim(source, order[k], out++);
+void ht_wide_gather(const ht_source *from, const uint32_t *order, const ht_wide_run *cells,
+                    ht_prim *out) {
+    const ht_source source = *from; /* which no store can change */
+    for (uint32_t i = 0; i < cells->count; ++i) {
+        const uint32_t *ids = order + ht_cell_first(&cells->items[i]);
+        const uint32_t count = ht_cell_prims(&cells->items[i]);
+        for (uint32_t k = 0; k < count; ++k) ht_source_prim(&source, ids[k], out++);
     }
 }
 
-htree_status ht_wide_run_errand(ht_builder *builder, const ht_source *source,
-                                const ht_wide_cells *cells, ht_wide_errand *errand,
+htree_status ht_wide_run_errand(const ht_wide_build *build, ht_wide_errand *errand,
                                 ht_wide_part *part, ht_prim *prims, ht_prim *spare) {
     const uint32_t count = errand->cells.prims;
     const ht_wide_run all = {prims, count, count, errand->cells.box};
-    building b = {builder->options, part, prims, spare, errand->first};
-    gather(source, cells, &errand->cells, prims);
+    building b = {build->builder->options, part, prims, spare, errand->first};
+    ht_wide_gather(&build->source, build->cells.order, &errand->cells, prims);
     /* A tree is never a leaf alone: walks begin with a node. */
     if (count <= HT_LANES && errand->parent != HT_WIDE_NONE)
         HT_TRY(add_leaf(&b, &all, &errand->child));
     else
         HT_TRY(subtree(&b, &all, errand->level, errand->waiting, &errand->child));
     for (uint32_t i = 0; i < count; ++i)
-        cells->leaf_order[errand->first + i] = ht_prim_id(&prims[i]);
+        build->cells.leaf_order[errand->first + i] = ht_prim_id(&prims[i]);
     return HTREE_OK;
 }

@@ -14,6 +14,15 @@ void ht_wide_part_end(ht_wide_part *part) {
 
 /* ---- Leaves --------------------------------------------------------------------------------- */
 
+htree_status ht_wide_add_leaf(ht_wide_part *part, uint32_t first, uint32_t count, uint32_t *child) {
+    *child = HT_WIDE_LEAF | (uint32_t)part->leaves.count;
+    ht_wide_leaf_run *leaf = (ht_wide_leaf_run *)ht_array_add(&part->leaves);
+    if (!leaf) return HTREE_ERROR_MEMORY;
+    leaf->first = first;
+    leaf->count = count;
+    return HTREE_OK;
+}
+
 /* Triangles to the front, objects behind them; returns how many triangles. */
 static uint32_t order_prims(const ht_source *source, const uint32_t *prims, uint32_t count,
                             uint32_t *lanes) {
@@ -82,17 +91,23 @@ static void write_box(ht_wide_node *node, uint32_t lane, const htree_box *box) {
     }
 }
 
-htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
-                                const htree_box *box, uint32_t lane[HT_LANES], uint32_t *slot) {
+void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
+                       const htree_box *box, uint32_t lane[HT_LANES]) {
     const htree_box nothing = ht_box_empty();
-    *slot = (uint32_t)part->nodes.count;
-    ht_wide_node *node = (ht_wide_node *)ht_array_add(&part->nodes);
-    if (!node) return HTREE_ERROR_MEMORY;
     assign_lanes(runs, count, box, lane);
     for (uint32_t i = 0; i < HT_LANES; ++i) {
         write_box(node, i, &nothing);
         node->child[i] = HT_WIDE_NONE;
+        node->unused[i] = 0;
     }
     for (uint32_t i = 0; i < count; ++i) write_box(node, lane[i], &runs[i].box);
+}
+
+htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
+                                const htree_box *box, uint32_t lane[HT_LANES], uint32_t *slot) {
+    *slot = (uint32_t)part->nodes.count;
+    ht_wide_node *node = (ht_wide_node *)ht_array_add(&part->nodes);
+    if (!node) return HTREE_ERROR_MEMORY;
+    ht_wide_fill_node(node, runs, count, box, lane);
     return HTREE_OK;
 }

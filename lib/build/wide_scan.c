@@ -18,7 +18,6 @@ typedef struct chunk {
     uint32_t first, end; /* prims, triangles before objects */
     htree_box extent;    /* of vertices and objects */
     htree_box bounds;
-    uint32_t hittable;
     uint64_t invalid, degenerate;
     uint32_t bad; /* the first prim that the mesh is refused for */
     bool no_vertex;
@@ -105,61 +104,73 @@ static HT_NOINLINE bool is_degenerate(const ht_corners *c) {
     return ht_triangle_is_degenerate(v[0], v[1], v[2]);
 }
 
-HT_INLINE void add_prim(scan *s, chunk *c, uint32_t i, const ht_box4 *box, ht_box4 *bounds) {
+/* What the loop over a chunk works with: a copy, which no store through a pointer can change. */
+typedef struct scanner {
+    ht_source source;
+    ht_wide_grid grid;
+    uint32_t *cell_of, *next;
+    ht_box4 *boxes;
+    ht_box4 bounds;
+} scanner;
+
+HT_INLINE void add_prim(scanner *s, uint32_t i, const ht_box4 *box) {
     const uint32_t cell = ht_wide_grid_cell(&s->grid, box->lo, box->hi);
-    s->cells->leaf_order[i] = cell;
-    ++c->next[cell];
-    ++c->hittable;
-    ht_box4_add(&c->boxes[cell], box->lo, box->hi);
-    ht_box4_add(bounds, box->lo, box->hi);
+    s->cell_of[i] = cell;
+    ++s->next[cell];
+    ht_box4_add(&s->boxes[cell], box->lo, box->hi);
+    ht_box4_add(&s->bounds, box->lo, box->hi);
 }
 
-/* Returns false if the mesh is to be refused. */
-HT_INLINE bool scan_triangle(scan *s, chunk *c, uint32_t i, ht_box4 *bounds) {
-    c->no_vertex = !ht_source_has_corners(s->source, i);
-    if (HT_UNLIKELY(c->no_vertex)) return false;
-    const ht_corners corners = ht_source_corners(s->source, i);
+typedef enum verdict { HITTABLE, DEGENERATE, INVALID, NO_VERTEX } verdict;
+
+HT_INLINE verdict scan_triangle(scanner *s, uint32_t i) {
+    if (HT_UNLIKELY(!ht_source_has_corners(&s->source, i))) return NO_VERTEX;
+    const ht_corners corners = ht_source_corners(&s->source, i);
     const ht_box4 box = ht_corners_box(&corners);
-    const bool valid = is_in_range(&corners, &box);
-    if (valid && (has_area_in_float(&corners) || !is_degenerate(&corners))) {
-        add_prim(s, c, i, &box, bounds);
-        return true;
-    }
-    s->cells->leaf_order[i] = HTREE_NONE;
-    if (valid)
-        ++c->degenerate;
-    else
-        ++c->invalid;
-    return valid || !s->strict;
+    if (HT_UNLIKELY(!is_in_range(&corners, &box))) return INVALID;
+    if (HT_UNLIKELY(!has_area_in_float(&corners)) && is_degenerate(&corners)) return DEGENERATE;
+    add_prim(s, i, &box);
+    return HITTABLE;
 }
 
-static bool scan_object(scan *s, chunk *c, uint32_t i, ht_box4 *bounds) {
+static verdict scan_object(scanner *s, uint32_t i) {
     ht_prim prim;
-    if (ht_is_box_in_range(&s->source->boxes[i - s->source->triangle_count])) {
-        ht_source_prim(s->source, i, &prim);
-        const ht_box4 box = ht_prim_box4(&prim);
-        add_prim(s, c, i, &box, bounds);
-        return true;
-    }
+    if (!ht_is_box_in_range(&s->source.boxes[i - s->source.triangle_count])) return INVALID;
+    ht_source_prim(&s->source, i, &prim);
+    const ht_box4 box = ht_prim_box4(&prim);
+    add_prim(s, i, &box);
+    return HITTABLE;
+}
+
+/* Notes a prim that cannot be hit; returns false if the mesh is to be refused for it. */
+static bool skip(const scan *s, chunk *c, uint32_t i, verdict why) {
     s->cells->leaf_order[i] = HTREE_NONE;
-    ++c->invalid;
-    return !s->strict;
+    c->degenerate += why == DEGENERATE;
+    c->invalid += why == INVALID;
+    c->no_vertex = why == NO_VERTEX;
+    if (why == DEGENERATE || (why == INVALID && !s->strict)) return true;
+    c->bad = i;
+    return false;
 }
 
 static void scan_chunk(void *data, uint32_t index) {
     scan *s = (scan *)data;
     chunk *c = &s->part[index];
-    ht_box4 bounds = ht_box4_empty();
+    scanner local = {*s->source, s->grid, s->cells->leaf_order, c->next, c->boxes, ht_box4_empty()};
     memset(c->next, 0, s->grid.total * sizeof *c->next);
     for (uint32_t cell = 0; cell < s->grid.total; ++cell) c->boxes[cell] = ht_box4_empty();
-    for (uint32_t i = c->first; i < c->end; ++i) {
-        const bool fine = i < s->source->triangle_count ? scan_triangle(s, c, i, &bounds)
-                                                        : scan_object(s, c, i, &bounds);
-        if (fine) continue;
-        c->bad = i;
-        return;
+    const uint32_t triangles =
+        c->end < local.source.triangle_count ? c->end : local.source.triangle_count;
+    uint32_t i = c->first;
+    for (; i < triangles; ++i) {
+        const verdict v = scan_triangle(&local, i);
+        if (HT_UNLIKELY(v != HITTABLE) && !skip(s, c, i, v)) return;
     }
-    c->bounds = ht_box4_box(&bounds);
+    for (; i < c->end; ++i) {
+        const verdict v = scan_object(&local, i);
+        if (v != HITTABLE && !skip(s, c, i, v)) return;
+    }
+    c->bounds = ht_box4_box(&local.bounds);
 }
 
 /* ---- Sort ----------------------------------------------------------------------------------- */
@@ -203,7 +214,7 @@ static htree_status join_chunks(const scan *s) {
     for (uint32_t i = 0; i < s->chunks; ++i) {
         const chunk *c = &s->part[i];
         if (c->bad != HTREE_NONE) return ht_refuse_prim(s->source, c->bad, c->no_vertex);
-        tree->prim_count += c->hittable;
+        tree->prim_count += c->end - c->first - (uint32_t)(c->invalid + c->degenerate);
         tree->invalid += c->invalid;
         tree->degenerate += c->degenerate;
         ht_box_add(&tree->bounds, &c->bounds);
@@ -236,13 +247,14 @@ static htree_status scan_and_sort(scan *s) {
     return HTREE_OK;
 }
 
-htree_status ht_wide_scan(ht_builder *builder, const ht_source *source, ht_wide_cells *cells) {
+htree_status ht_wide_scan(ht_wide_build *build) {
+    const ht_builder *builder = build->builder;
     ht_memory *memory = &builder->tree->memory;
     scan s;
     memset(&s, 0, sizeof s);
     s.builder = builder;
-    s.source = source;
-    s.cells = cells;
+    s.source = &build->source;
+    s.cells = &build->cells;
     s.strict = (builder->options->flags & HTREE_STRICT) != 0;
     cut_chunks(&s);
     ht_builder_run(builder, s.chunks, measure_chunk, &s);

@@ -4,8 +4,9 @@
 #include "wide.h"
 
 enum {
-    ERRAND_PRIMS = 160, /* where the top over cells ends */
-    TOP_LEVELS = 12
+    ERRAND_PRIMS = 160,                 /* where the top over cells ends */
+    MORTON_PRIMS = HT_LANES * HT_LANES, /* the same, for Morton order: a node of full leaves */
+    TOP_LEVELS = HT_WIDE_LEVELS - 6     /* which leaves enough for errands */
 };
 
 /* ---- Runs ----------------------------------------------------------------------------------- */
@@ -76,8 +77,16 @@ static htree_status add_errand(ht_wide_top *top, const ht_wide_run *cells, uint3
     return HTREE_OK;
 }
 
-static bool is_errand(const ht_wide_run *run, uint32_t level) {
-    return run->count == 1 || run->prims <= ERRAND_PRIMS || level >= TOP_LEVELS;
+static bool is_errand(const htree_options *options, const ht_wide_run *run) {
+    const bool by_order = (options->flags & (HTREE_MORTON | HTREE_LAZY)) != 0;
+    return run->count == 1 || run->prims <= (uint32_t)(by_order ? MORTON_PRIMS : ERRAND_PRIMS);
+}
+
+/* Levels of full nodes that separate so many cells. */
+static uint32_t levels_needed(uint32_t cells) {
+    uint32_t levels = 1;
+    for (uint64_t room = HT_LANES; room < cells; room *= HT_LANES) ++levels;
+    return levels;
 }
 
 static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level, uint32_t waiting,
@@ -85,12 +94,13 @@ static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level,
     ht_wide_part *part = &b->top->part;
     ht_wide_run runs[HT_LANES];
     uint32_t lane[HT_LANES];
-    const uint32_t count = ht_wide_split(b->options, b->spare, all, false, true, runs);
+    const bool scarce = level + levels_needed(all->count) >= TOP_LEVELS;
+    const uint32_t count = ht_wide_split(b->options, b->spare, all, scarce, true, runs);
     HT_TRY(ht_wide_write_node(part, runs, count, &all->box, lane, slot));
     waiting += count - 1;
     if (waiting > part->deepest) part->deepest = waiting;
     for (uint32_t i = 0; i < count; ++i) {
-        if (is_errand(&runs[i], level + 1)) {
+        if (is_errand(b->options, &runs[i])) {
             HT_TRY(add_errand(b->top, &runs[i], level + 1, waiting, *slot, lane[i]));
         } else {
             uint32_t below;
@@ -101,16 +111,18 @@ static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level,
     return HTREE_OK;
 }
 
-htree_status ht_wide_build_top(ht_builder *builder, const ht_wide_cells *cells, ht_wide_top *top) {
-    const htree *tree = builder->tree;
-    const ht_wide_run all = {(ht_prim *)(void *)cells->cells.items, (uint32_t)cells->cells.count,
+htree_status ht_wide_build_top(ht_wide_build *build) {
+    const htree_options *options = build->builder->options;
+    htree *tree = build->builder->tree;
+    const ht_array *cells = &build->cells.cells;
+    const ht_wide_run all = {(ht_prim *)(void *)cells->items, (uint32_t)cells->count,
                              tree->prim_count, tree->bounds};
     uint32_t root;
-    if (is_errand(&all, 0)) return add_errand(top, &all, 0, 0, HT_WIDE_NONE, 0);
+    if (is_errand(options, &all)) return add_errand(&build->top, &all, 0, 0, HT_WIDE_NONE, 0);
     const uint64_t bytes = all.count * sizeof(ht_prim);
-    building b = {builder->options, (ht_prim *)ht_allocate(&builder->tree->memory, bytes), top};
+    building b = {options, (ht_prim *)ht_allocate(&tree->memory, bytes), &build->top};
     if (!b.spare) return HTREE_ERROR_MEMORY;
     const htree_status status = subtree(&b, &all, 0, 0, &root);
-    ht_release(&builder->tree->memory, b.spare, bytes);
+    ht_release(&tree->memory, b.spare, bytes);
     return status;
 }

@@ -89,6 +89,7 @@ HT_INLINE void walk_wide(const htree *tree, const htree_ray *ray, const ht_ray *
     uint32_t top = 0, child = 0;
     for (;;) {
         if (counted) ++counters->traversal_steps;
+        child = ht_wide_resolve(tree, child);
         if (child & HT_WIDE_LEAF) {
             const ht_wide_leaf *leaf = &tree->leaves[child & ~HT_WIDE_LEAF];
             if (counted) {

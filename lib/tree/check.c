@@ -79,6 +79,10 @@ static htree_status check_node(void *data, const ht_place *place, const ht_node_
                        (unsigned long)place->slot, (unsigned long)place->branches,
                        (unsigned long)p->tree->stack);
     }
+    if (view->role == HT_PENDING) {
+        p->prims_seen += view->prim_count;
+        return HTREE_OK;
+    }
     /* Objects hang below a node only through its children, so boxes need proof at the leaves alone:
      * every traversal box on the way there contains the leaf's. */
     for (uint32_t i = 0; i < view->prim_count; ++i) HT_TRY(check_prim(p, place, view, i));
@@ -102,7 +106,7 @@ htree_status htree_check(const htree *tree) {
     }
     /* A copy of the hook with its own count: a query may not change the tree. */
     ht_memory memory = {tree->memory.hook, 0, 0};
-    const uint64_t slot_bytes = ((uint64_t)tree->node_slots + tree->leaf_count) / 8 + 1;
+    const uint64_t slot_bytes = ht_slot_count(tree) / 8 + 1;
     const uint64_t prim_bytes = ((uint64_t)tree->triangle_count + tree->object_count) / 8 + 1;
     proof p = {tree, NULL, NULL, 0};
     p.slot_seen = (uint8_t *)ht_allocate(&memory, slot_bytes);

@@ -91,6 +91,11 @@ typedef struct ht_ug_grid {
 #define HT_WIDE_LEAF 0x80000000u
 #define HT_WIDE_NONE 0xffffffffu
 
+/* Both upper bits: a subtree of a lazy tree, by its number, that may have to be built first. So a wide
+ * tree holds fewer than HT_WIDE_PRIMS prims, and leaves. */
+#define HT_WIDE_PENDING 0xc0000000u
+#define HT_WIDE_PRIMS   0x3fffffffu
+
 /* Levels of nodes that the builder stays within, and what may wait on a stack: seven a level. */
 #define HT_WIDE_LEVELS 36u
 #define HT_WIDE_STACK  256u

@@ -14,7 +14,7 @@ typedef struct census {
 static htree_status count_node(void *data, const ht_place *place, const ht_node_view *view) {
     census *c = (census *)data;
     ++c->roles[view->role];
-    c->references += view->prim_count;
+    c->references += view->role == HT_LEAF ? view->prim_count : 0;
     c->ternary += view->child_count == 3;
     if (place->depth > c->depth) c->depth = place->depth;
     const double chance =
@@ -57,7 +57,7 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     s.objects = tree->object_count;
     s.invalid = tree->invalid;
     s.degenerate = tree->degenerate;
-    for (int role = 0; role < HT_ROLES; ++role) s.nodes += c.roles[role];
+    for (int role = 0; role < HT_PENDING; ++role) s.nodes += c.roles[role];
     s.leaves = c.roles[HT_LEAF];
     s.references = c.references;
     s.skd_nodes = is_of_boxes(tree) ? 0 : c.roles[HT_SPLIT];
@@ -72,6 +72,8 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     s.peak_bytes = tree->memory.peak;
     s.build_seconds = tree->build_seconds;
     s.sah_cost = c.cost;
+    s.subtrees = tree->lazy ? tree->lazy->subtrees : 0;
+    s.subtrees_built = tree->lazy ? tree->lazy->built(tree) : 0;
     ht_sized_write(stats, &s, sizeof s);
     return HTREE_OK;
 }

@@ -23,6 +23,7 @@ uint32_t ht_stack_limit(htree_kind kind) {
 
 void htree_free(htree *tree) {
     if (!tree) return;
+    if (tree->lazy) tree->lazy->end(tree);
     ht_memory memory = tree->memory;
     ht_release(&memory, tree->nodes, tree->node_bytes);
     ht_release(&memory, tree->refs, tree->ref_count * sizeof *tree->refs);
@@ -66,6 +67,8 @@ htree_status htree_get_view(const htree *tree, htree_view *view) {
     HT_TRY(ht_tree_verify(tree));
     if (!view) return ht_fail(HTREE_ERROR_ARGUMENT, "view is NULL");
     HT_TRY(ht_sized_verify(view->size, FIRST_VIEW_SIZE, "view"));
+    if (tree->lazy)
+        return ht_fail(HTREE_ERROR_UNSUPPORTED, "the tree is lazy: call htree_complete first");
     const htree_view v = view_tree(tree);
     ht_sized_write(view, &v, sizeof v);
     return HTREE_OK;

@@ -12,6 +12,17 @@ typedef struct ht_triangle {
     float v[3][3];
 } ht_triangle;
 
+/* What a lazy tree can do, until it is complete: see build/wide_order.c, which has the rest of it. */
+typedef struct ht_lazy {
+    uint32_t subtrees;
+    uint32_t (*touch)(const htree *tree, uint32_t subtree); /* builds if need be; its child word */
+    uint32_t (*prims)(const htree *tree, uint32_t subtree);
+    uint32_t (*child)(const htree *tree, uint32_t subtree); /* HT_WIDE_NONE: not built */
+    uint32_t (*built)(const htree *tree);
+    void (*complete)(htree *tree);
+    void (*end)(htree *tree);
+} ht_lazy;
+
 struct htree {
     htree_kind kind;
     uint32_t threads;
@@ -35,6 +46,7 @@ struct htree {
     uint32_t ref_count;
     ht_wide_leaf *leaves; /* WIDE */
     uint32_t leaf_count;
+    ht_lazy *lazy; /* NULL: all is built */
     ht_ug_grid grid;
     uint32_t stack; /* traversal stack entries needed at most, <= ht_stack_limit */
 
@@ -48,6 +60,17 @@ HT_INLINE uint32_t ht_wide_leaf_count(const ht_wide_leaf *leaf) {
     uint32_t count = 0;
     while (count < HT_LANES && leaf->prim[count] != HT_WIDE_NONE) ++count;
     return count;
+}
+
+HT_INLINE bool ht_wide_is_pending(uint32_t child) {
+    return child >= HT_WIDE_PENDING;
+}
+
+/* The child that a walk goes on with. */
+HT_INLINE uint32_t ht_wide_resolve(const htree *tree, uint32_t child) {
+    if (HT_UNLIKELY(ht_wide_is_pending(child)))
+        return tree->lazy->touch(tree, child & ~HT_WIDE_PENDING);
+    return child;
 }
 
 /* The stack that walks of the kind have. */

@@ -139,35 +139,57 @@ static bool view_wide_leaf(const htree *tree, const ht_wide_leaf *leaf, ht_node_
     return count > 0;
 }
 
-/* Leaves are seen as slots that follow those of the nodes. */
+/* Slots of nodes are followed by those of leaves, and these by subtrees of a lazy tree. HTREE_NONE for
+ * what is none of them. */
+static uint32_t wide_slot(const htree *tree, uint32_t child) {
+    if (ht_wide_is_pending(child)) {
+        const uint32_t subtree = child & ~HT_WIDE_PENDING;
+        if (!tree->lazy || subtree >= tree->lazy->subtrees) return HTREE_NONE;
+        child = tree->lazy->child(tree, subtree);
+        if (child == HT_WIDE_NONE) return tree->node_slots + tree->leaf_count + subtree;
+    }
+    const uint32_t leaf = child & ~HT_WIDE_LEAF;
+    if (child & HT_WIDE_LEAF) return leaf < tree->leaf_count ? tree->node_slots + leaf : HTREE_NONE;
+    return child < tree->node_slots ? child : HTREE_NONE;
+}
+
 static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *view) {
     const uint32_t slots = tree->node_slots;
     view->slots = 1;
+    if (place->slot >= slots + tree->leaf_count) {
+        view->role = HT_PENDING;
+        view->prim_count = tree->lazy->prims(tree, place->slot - slots - tree->leaf_count);
+        return true;
+    }
     if (place->slot >= slots) {
         return view_wide_leaf(tree, &tree->leaves[place->slot - slots], view);
     }
     const ht_wide_node *node = (const ht_wide_node *)tree->nodes + place->slot;
     view->role = HT_SPLIT;
     for (uint32_t i = 0; i < HT_LANES; ++i) {
-        const uint32_t child = node->child[i], leaf = child & ~HT_WIDE_LEAF;
-        const bool is_leaf = (child & HT_WIDE_LEAF) != 0;
+        const uint32_t slot = wide_slot(tree, node->child[i]);
         const float lo[3] = {node->lo[0][i], node->lo[1][i], node->lo[2][i]};
         const float hi[3] = {node->hi[0][i], node->hi[1][i], node->hi[2][i]};
         const htree_box box = inside(place, lo, hi);
-        if (child == HT_WIDE_NONE) {
+        if (node->child[i] == HT_WIDE_NONE) {
             if (!(lo[0] > hi[0] && lo[1] > hi[1] && lo[2] > hi[2])) return false;
             continue;
         }
-        if (is_leaf ? leaf >= tree->leaf_count : child >= slots) return false;
-        add_child(view, place, is_leaf ? slots + leaf : child, &box);
+        if (slot == HTREE_NONE) return false;
+        add_child(view, place, slot, &box);
     }
     for (uint32_t i = 0; i < view->child_count; ++i)
         view->child[i].branches = place->branches + view->child_count - 1;
     return view->child_count > 0;
 }
 
+uint64_t ht_slot_count(const htree *tree) {
+    const uint32_t subtrees = tree->lazy ? tree->lazy->subtrees : 0;
+    return (uint64_t)tree->node_slots + tree->leaf_count + subtrees;
+}
+
 bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) {
-    if (place->slot >= (uint64_t)tree->node_slots + tree->leaf_count) return false;
+    if (place->slot >= ht_slot_count(tree)) return false;
     memset(view, 0, sizeof *view);
     switch (tree->kind) {
     case HTREE_KD: return view_kd(tree, place, view);
@@ -249,6 +271,6 @@ htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data) {
     if (tree->prim_count == 0) return HTREE_OK;
     if (tree->kind == HTREE_UG) return visit_cells(tree, see, data);
     const ht_place root = ht_root_place(tree);
-    uint64_t budget = (uint64_t)tree->node_slots + tree->leaf_count;
+    uint64_t budget = ht_slot_count(tree);
     return visit_below(tree, &root, &budget, see, data);
 }

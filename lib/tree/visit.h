@@ -19,10 +19,11 @@ typedef enum ht_node_role {
     HT_BV6,
     HT_BVO,
     HT_LINK,
+    HT_PENDING, /* a subtree of a lazy tree that is not built */
     HT_ROLES
 } ht_node_role;
 
-/* What a node is: for a leaf its prims, else its children with their traversal boxes. */
+/* What a node is: for a leaf its prims, if it is built, else its children with their traversal boxes. */
 typedef struct ht_node_view {
     ht_node_role role;
     uint32_t slots;        /* that the node takes */
@@ -35,6 +36,9 @@ typedef struct ht_node_view {
 
 /* Corners of triangle i of a viewed leaf. */
 ht_triangle ht_view_triangle(const htree *tree, const ht_node_view *view, uint32_t i);
+
+/* Slots that places may have. */
+uint64_t ht_slot_count(const htree *tree);
 
 ht_place ht_root_place(const htree *tree);
 

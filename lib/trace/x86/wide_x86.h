@@ -141,8 +141,12 @@ HT_TARGET HT_INLINE bool step(const htree *tree, stream *s, const bool any) {
         if (s->top == 0) return true;
         --s->top;
     } while (!any && s->tnear[s->top] > s->hit.t);
-    const uint32_t child = s->child[s->top];
-    if (child & HT_WIDE_LEAF) return step_leaf(tree, &tree->leaves[child & ~HT_WIDE_LEAF], s, any);
+    uint32_t child = s->child[s->top];
+    if (child & HT_WIDE_LEAF) {
+        child = ht_wide_resolve(tree, child);
+        if (child & HT_WIDE_LEAF)
+            return step_leaf(tree, &tree->leaves[child & ~HT_WIDE_LEAF], s, any);
+    }
     step_node((const ht_wide_node *)tree->nodes + child, s, any);
     return false;
 }

@@ -1,0 +1,167 @@
+/* wide_order.c: errands by Morton order: each has its place in the tree from the start. They are run
+ * at once, on all threads; or, in a lazy tree, by the first ray that gets there.
+ *
+ * A lazy tree's nodes say HT_WIDE_PENDING | errand where the subtree may be missing. Whoever comes
+ * there asks its state: the first one builds it, others wait for the microseconds that it takes. No
+ * node is ever written to while rays may read it, and no memory is asked for, so no query can fail.
+ * The bytes do not depend on who came first. */
+#include "wide.h"
+
+#ifndef HTREE_NO_THREADS
+#include <sched.h>
+#endif
+
+enum { GROUPS = 256 };
+
+enum { UNTOUCHED, BEING_BUILT, BUILT };
+
+/* What is left of a build in a lazy tree. */
+typedef struct lazy {
+    ht_lazy hook;
+    ht_source source; /* the caller's arrays, which must stay as they are */
+    ht_array cells, errands;
+    uint32_t *order, *states;
+    uint32_t prims, built;
+} lazy;
+
+static lazy *lazy_of(const htree *tree) {
+    return (lazy *)(void *)tree->lazy;
+}
+
+/* ---- Places --------------------------------------------------------------------------------- */
+
+static htree_status place_errands(ht_wide_build *build) {
+    htree *tree = build->builder->tree;
+    uint32_t node = (uint32_t)build->top.part.nodes.count, leaf = 0;
+    tree->stack = build->top.part.deepest;
+    for (uint32_t i = 0; i < build->top.errands.count; ++i) {
+        ht_wide_errand *e = ht_wide_errand_at(build, i);
+        const uint32_t prims = e->cells.prims;
+        const uint32_t stack = e->waiting + ht_wide_morton_stack(prims);
+        e->node = node;
+        e->leaf = leaf;
+        e->child = prims <= HT_LANES ? HT_WIDE_LEAF | leaf : node;
+        node += ht_wide_morton_nodes(prims);
+        leaf += ht_wide_morton_leaves(prims);
+        if (stack > tree->stack) tree->stack = stack;
+    }
+    HT_TRY(ht_wide_allocate(tree, node, leaf));
+    memcpy(tree->nodes, build->top.part.nodes.items,
+           build->top.part.nodes.count * sizeof(ht_wide_node));
+    return HTREE_OK;
+}
+
+/* ---- At once -------------------------------------------------------------------------------- */
+
+static void run_group(void *data, uint32_t index) {
+    const ht_wide_build *build = (const ht_wide_build *)data;
+    const htree *tree = build->builder->tree;
+    const uint64_t count = build->top.errands.count;
+    const uint32_t end = (uint32_t)(count * (index + 1) / GROUPS);
+    uint64_t prims = 0;
+    for (uint32_t i = (uint32_t)(count * index / GROUPS); i < end; ++i) {
+        const ht_wide_errand *e = ht_wide_errand_at(build, i);
+        ht_wide_run_morton(tree, &build->source, build->cells.order, e);
+        ht_wide_set_parent(tree, e, e->child);
+        prims += e->cells.prims;
+    }
+    ht_progress_step(&build->builder->progress, prims);
+}
+
+/* ---- When a ray comes ----------------------------------------------------------------------- */
+
+static void pause_thread(void) {
+#ifndef HTREE_NO_THREADS
+    sched_yield();
+#endif
+}
+
+static uint32_t touch(const htree *tree, uint32_t errand) {
+    lazy *l = lazy_of(tree);
+    uint32_t *state = &l->states[errand], seen = __atomic_load_n(state, __ATOMIC_ACQUIRE);
+    const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, errand);
+    if (seen == UNTOUCHED && __atomic_compare_exchange_n(state, &seen, BEING_BUILT, false,
+                                                         __ATOMIC_ACQUIRE, __ATOMIC_ACQUIRE)) {
+        ht_wide_run_morton(tree, &l->source, l->order, e);
+        __atomic_add_fetch(&l->built, 1, __ATOMIC_RELAXED);
+        __atomic_store_n(state, BUILT, __ATOMIC_RELEASE);
+    }
+    while (__atomic_load_n(state, __ATOMIC_ACQUIRE) != BUILT) pause_thread();
+    return e->child;
+}
+
+static void end_lazy(htree *tree) {
+    lazy *l = lazy_of(tree);
+    if (!l) return;
+    ht_array_end(&l->errands);
+    ht_array_end(&l->cells);
+    ht_release(&tree->memory, l->order, l->prims * sizeof *l->order);
+    ht_release(&tree->memory, l, sizeof *l + (uint64_t)l->hook.subtrees * sizeof *l->states);
+    tree->lazy = NULL;
+}
+
+static void complete_group(void *data, uint32_t index) {
+    const htree *tree = (const htree *)data;
+    const lazy *l = lazy_of(tree);
+    const uint64_t count = l->errands.count;
+    const uint32_t end = (uint32_t)(count * (index + 1) / GROUPS);
+    for (uint32_t i = (uint32_t)(count * index / GROUPS); i < end; ++i) {
+        const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, i);
+        ht_wide_set_parent(tree, e, touch(tree, i));
+    }
+}
+
+static void complete(htree *tree) {
+    ht_parallel_for(&tree->tasks, tree->threads, GROUPS, complete_group, tree);
+    end_lazy(tree);
+}
+
+static uint32_t prims_of(const htree *tree, uint32_t errand) {
+    return ((const ht_wide_errand *)ht_array_at(&lazy_of(tree)->errands, errand))->cells.prims;
+}
+
+static uint32_t child_of(const htree *tree, uint32_t errand) {
+    const lazy *l = lazy_of(tree);
+    if (__atomic_load_n(&l->states[errand], __ATOMIC_ACQUIRE) != BUILT) return HT_WIDE_NONE;
+    return ((const ht_wide_errand *)ht_array_at(&l->errands, errand))->child;
+}
+
+static uint32_t count_built(const htree *tree) {
+    return __atomic_load_n(&lazy_of(tree)->built, __ATOMIC_RELAXED);
+}
+
+/* Takes what errands need over from the build. */
+static htree_status become_lazy(ht_wide_build *build) {
+    htree *tree = build->builder->tree;
+    const uint32_t subtrees = (uint32_t)build->top.errands.count;
+    lazy *l =
+        (lazy *)ht_allocate(&tree->memory, sizeof *l + (uint64_t)subtrees * sizeof *l->states);
+    if (!l) return HTREE_ERROR_MEMORY;
+    memset(l, 0, sizeof *l + (size_t)subtrees * sizeof *l->states);
+    const ht_lazy hook = {subtrees, touch, prims_of, child_of, count_built, complete, end_lazy};
+    l->hook = hook;
+    l->source = build->source;
+    l->source.boxes = tree->object_boxes;
+    l->prims = build->prims;
+    l->states = (uint32_t *)(void *)(l + 1);
+    l->cells = build->cells.cells;
+    l->errands = build->top.errands;
+    l->order = build->cells.order;
+    l->cells.memory = l->errands.memory = &tree->memory;
+    ht_array_begin(&build->cells.cells, &tree->memory, sizeof(ht_prim));
+    ht_array_begin(&build->top.errands, &tree->memory, sizeof(ht_wide_errand));
+    build->cells.order = NULL;
+    tree->lazy = &l->hook;
+    for (uint32_t i = 0; i < subtrees; ++i) {
+        const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, i);
+        ht_wide_set_parent(tree, e, HT_WIDE_PENDING | i);
+    }
+    return HTREE_OK;
+}
+
+htree_status ht_wide_finish_by_order(ht_wide_build *build) {
+    HT_TRY(place_errands(build));
+    if (build->builder->options->flags & HTREE_LAZY) return become_lazy(build);
+    ht_builder_run(build->builder, GROUPS, run_group, build);
+    return build->builder->progress.cancelled ? HTREE_ERROR_CANCELLED : HTREE_OK;
+}
