@@ -252,6 +252,24 @@ HTREE_API htree_status htree_build(htree **out, const htree_mesh *mesh,
  * Errors     ARGUMENT. */
 HTREE_API htree_status htree_complete(htree *tree);
 
+/* How htree_update brings a tree to the mesh as it is now. */
+enum {
+    HTREE_REBUILD = 1, /* as htree_build would, in the memory of the builds before */
+    HTREE_REFIT = 2    /* WIDE: the same nodes around the new positions */
+};
+
+/* Brings a tree to new positions, or with HTREE_REBUILD to any mesh at all, with the options and the
+ * objects' boxes and callback given now; the tree stays where it is. From the first call on the tree
+ * keeps the memory of its builds until htree_free.
+ * Refit      for a mesh of as many triangles and objects. The tree is rebuilt where refitting cannot
+ *            do: other kinds, a lazy tree, or other prims than before that can be hit.
+ * quality    gets the expected cost of a ray now over that when the tree was built: 1 after a
+ *            rebuild; from about 1.5 on rebuilding pays. NULL is allowed.
+ * Threads    no query may be running on the tree.
+ * Errors     ARGUMENT, MEMORY, LIMIT, GEOMETRY; then the tree is as it was. */
+HTREE_API htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how,
+                                    double *quality);
+
 /* Frees the tree. NULL is allowed. No query may be running on it. */
 HTREE_API void htree_free(htree *tree);
 

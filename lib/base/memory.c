@@ -8,8 +8,7 @@ static void *allocate_from_libc(uint64_t bytes) {
     return posix_memalign(&block, HT_ALIGNMENT, (size_t)bytes) == 0 ? block : NULL;
 }
 
-void *ht_allocate(ht_memory *memory, uint64_t bytes) {
-    if (bytes == 0) bytes = HT_ALIGNMENT;
+static void *allocate_fresh(ht_memory *memory, uint64_t bytes) {
     void *block = memory->hook.allocate
                       ? memory->hook.allocate(memory->hook.user, bytes, HT_ALIGNMENT)
                       : allocate_from_libc(bytes);
@@ -25,13 +24,121 @@ void *ht_allocate(ht_memory *memory, uint64_t bytes) {
     return block;
 }
 
-void ht_release(ht_memory *memory, void *block, uint64_t bytes) {
-    if (!block) return;
-    if (bytes == 0) bytes = HT_ALIGNMENT;
+static void give_back(ht_memory *memory, void *block, uint64_t bytes) {
     __atomic_sub_fetch(&memory->held, bytes, __ATOMIC_RELAXED);
     if (memory->hook.release) {
         memory->hook.release(memory->hook.user, block, bytes);
     } else {
         free(block);
     }
+}
+
+/* ---- Recycling ------------------------------------------------------------------------------ */
+
+enum {
+    KEPT_BLOCKS = 64,
+    LEAST_KEPT = 1 << 14 /* bytes: smaller blocks are cheap */
+};
+
+typedef struct kept_block {
+    void *block; /* NULL: the row is free */
+    uint64_t bytes;
+    bool in_use, used; /* used: since the last tidying */
+} kept_block;
+
+struct ht_recycler {
+    uint32_t locked; /* for some dozen comparisons */
+    kept_block row[KEPT_BLOCKS];
+};
+
+static void lock(ht_recycler *r) {
+    while (__atomic_exchange_n(&r->locked, 1, __ATOMIC_ACQUIRE)) {
+    }
+}
+
+static void unlock(ht_recycler *r) {
+    __atomic_store_n(&r->locked, 0, __ATOMIC_RELEASE);
+}
+
+/* The row of a block, or a free one for NULL; KEPT_BLOCKS if there is none. */
+static uint32_t find_row(const ht_recycler *r, const void *block) {
+    uint32_t i = 0;
+    while (i < KEPT_BLOCKS && r->row[i].block != block) ++i;
+    return i;
+}
+
+/* The tightest idle block of enough bytes, unless more than half of it would stay idle. */
+static void *reuse(ht_recycler *r, uint64_t bytes) {
+    kept_block *best = NULL;
+    lock(r);
+    for (uint32_t i = 0; i < KEPT_BLOCKS; ++i) {
+        kept_block *row = &r->row[i];
+        if (!row->block || row->in_use || row->bytes < bytes || row->bytes / 2 > bytes) continue;
+        if (!best || row->bytes < best->bytes) best = row;
+    }
+    if (best) best->in_use = best->used = true;
+    unlock(r);
+    return best ? best->block : NULL;
+}
+
+/* False if there is no room to keep the block. */
+static bool keep(ht_recycler *r, void *block, uint64_t bytes) {
+    lock(r);
+    uint32_t i = find_row(r, block);
+    if (i < KEPT_BLOCKS) {
+        r->row[i].in_use = false; /* its size stays: it may have been used in part */
+    } else {
+        const kept_block row = {block, bytes, false, true};
+        i = find_row(r, NULL);
+        if (i < KEPT_BLOCKS) r->row[i] = row;
+    }
+    unlock(r);
+    return i < KEPT_BLOCKS;
+}
+
+ht_recycler *ht_recycler_begin(ht_memory *memory) {
+    if (!memory->recycler) {
+        memory->recycler = (ht_recycler *)allocate_fresh(memory, sizeof *memory->recycler);
+        if (memory->recycler) memset(memory->recycler, 0, sizeof *memory->recycler);
+    }
+    return memory->recycler;
+}
+
+void ht_recycler_tidy(ht_memory *memory) {
+    ht_recycler *r = memory->recycler;
+    lock(r);
+    for (uint32_t i = 0; i < KEPT_BLOCKS; ++i) {
+        kept_block *row = &r->row[i];
+        if (row->block && !row->in_use && !row->used) {
+            give_back(memory, row->block, row->bytes);
+            row->block = NULL;
+        }
+        row->used = row->in_use;
+    }
+    unlock(r);
+}
+
+void ht_recycler_end(ht_memory *memory) {
+    ht_recycler *r = memory->recycler;
+    if (!r) return;
+    ht_recycler_tidy(memory);
+    ht_recycler_tidy(memory);
+    memory->recycler = NULL;
+    give_back(memory, r, sizeof *r);
+}
+
+/* ---- The way to memory ---------------------------------------------------------------------- */
+
+void *ht_allocate(ht_memory *memory, uint64_t bytes) {
+    if (bytes == 0) bytes = HT_ALIGNMENT;
+    void *kept = NULL;
+    if (memory->recycler && bytes >= LEAST_KEPT) kept = reuse(memory->recycler, bytes);
+    return kept ? kept : allocate_fresh(memory, bytes);
+}
+
+void ht_release(ht_memory *memory, void *block, uint64_t bytes) {
+    if (!block) return;
+    if (bytes == 0) bytes = HT_ALIGNMENT;
+    if (memory->recycler && bytes >= LEAST_KEPT && keep(memory->recycler, block, bytes)) return;
+    give_back(memory, block, bytes);
 }

@@ -2,6 +2,7 @@
 #include "build.h"
 #include "mesh.h"
 #include "options.h"
+#include "refit.h"
 #include "base/clock.h"
 
 /* The kinds that can be built. Adding one: a builder file, a row here, a row in trace/trace.c and
@@ -31,12 +32,13 @@ static size_t find_builder(htree_kind kind) {
 
 /* ---- The tree ------------------------------------------------------------------------------- */
 
-static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
-    ht_memory memory = {options->allocator, 0, 0};
-    htree *tree = (htree *)ht_allocate(&memory, sizeof *tree);
-    if (!tree) return NULL;
+/* A tree without nodes, which keeps its memory in mind. */
+static void tree_begin(htree *tree, ht_memory memory, const htree_mesh *mesh,
+                       const htree_options *options) {
     memset(tree, 0, sizeof *tree);
     tree->memory = memory;
+    tree->options = *options;
+    memset(&tree->options.progress, 0, sizeof tree->options.progress); /* of that call only */
     tree->kind = options->kind;
     tree->threads = options->threads;
     tree->tasks = options->tasks;
@@ -52,6 +54,12 @@ static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
     tree->cost_bv2 = options->cost_bv2;
     tree->cost_bv6 = options->cost_bv6;
     tree->cost_intersect = options->cost_intersect;
+}
+
+static htree *tree_new(const htree_mesh *mesh, const htree_options *options) {
+    ht_memory memory = {options->allocator, 0, 0, NULL};
+    htree *tree = (htree *)ht_allocate(&memory, sizeof *tree);
+    if (tree) tree_begin(tree, memory, mesh, options);
     return tree;
 }
 
@@ -112,6 +120,57 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
     tree->build_seconds = ht_seconds() - start;
     assert(htree_check(tree) != HTREE_ERROR_CORRUPT);
     *out = tree;
+    return HTREE_OK;
+}
+
+/* ---- The same tree again -------------------------------------------------------------------- */
+
+/* The new tree is finished before the old one ends, so a failure loses nothing. */
+static htree_status rebuild(htree *tree, const htree_mesh *mesh) {
+    const double start = ht_seconds();
+    const htree_options options = tree->options;
+    htree next;
+    if (!ht_recycler_begin(&tree->memory)) return HTREE_ERROR_MEMORY;
+    tree_begin(&next, tree->memory, mesh, &options);
+    const htree_status status = build_tree(&next, mesh, &options, find_builder(options.kind));
+    if (status != HTREE_OK) {
+        ht_tree_release(&next);
+        tree->memory = next.memory;
+        return status;
+    }
+    tree->memory = next.memory;
+    ht_tree_release(tree);
+    next.memory = tree->memory;
+    next.build_seconds = ht_seconds() - start;
+    ht_recycler_tidy(&next.memory);
+    *tree = next;
+    return HTREE_OK;
+}
+
+static htree_status read_update(const htree *tree, const htree_mesh *mesh, int32_t how) {
+    HT_TRY(ht_tree_verify(tree));
+    if (!mesh) return ht_fail(HTREE_ERROR_ARGUMENT, "mesh is NULL");
+    if (how != HTREE_REBUILD && how != HTREE_REFIT) {
+        return ht_fail(HTREE_ERROR_ARGUMENT, "how is %ld: HTREE_REBUILD or HTREE_REFIT", (long)how);
+    }
+    return ht_verify_mesh(mesh);
+}
+
+htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how, double *quality) {
+    bool refits = false;
+    double ratio = 1;
+    HT_TRY(read_update(tree, mesh, how));
+    if (how == HTREE_REFIT) HT_TRY(ht_refit_verify(tree, mesh, &refits));
+    if (refits)
+        ratio = ht_refit(tree, mesh);
+    else
+        HT_TRY(rebuild(tree, mesh));
+    if (refits && mesh->objects) {
+        tree->intersect = mesh->objects->intersect;
+        tree->intersect_user = mesh->objects->user;
+    }
+    assert(htree_check(tree) != HTREE_ERROR_CORRUPT);
+    if (quality) *quality = ratio;
     return HTREE_OK;
 }
 

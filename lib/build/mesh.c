@@ -62,6 +62,12 @@ ht_source ht_source_of(const htree_mesh *mesh) {
     return source;
 }
 
+bool ht_corners_are_degenerate(const ht_corners *corners) {
+    float v[3][4];
+    for (int k = 0; k < 3; ++k) ht_f4_store(v[k], corners->v[k]);
+    return ht_triangle_is_degenerate(v[0], v[1], v[2]);
+}
+
 static bool is_in_range(const float *p) {
     return ht_magnitude(p[0]) <= HTREE_COORDINATE_MAX &&
            ht_magnitude(p[1]) <= HTREE_COORDINATE_MAX && ht_magnitude(p[2]) <= HTREE_COORDINATE_MAX;
@@ -116,27 +122,25 @@ HT_INLINE bool load_triangle(const loading *l, chunk *c, uint32_t i) {
     c->no_vertex = !ht_source_has_corners(&l->source, i);
     if (c->no_vertex) return false;
     const ht_corners corners = ht_source_corners(&l->source, i);
-    float v[3][4];
-    for (int k = 0; k < 3; ++k) {
-        ht_f4_store(v[k], corners.v[k]);
-        memcpy(triangle->v[k], v[k], sizeof triangle->v[k]);
-    }
-    const bool valid = is_in_range(v[0]) && is_in_range(v[1]) && is_in_range(v[2]);
-    if (valid && !ht_triangle_is_degenerate(v[0], v[1], v[2])) {
+    const ht_verdict verdict = ht_corners_judge(&corners);
+    if (verdict == HT_HITTABLE) {
         ht_prim *prim = &l->builder->prims[c->first + c->prims++];
         const ht_box4 box = ht_corners_box(&corners);
         ht_f4_store(prim->lo, box.lo);
         ht_f4_store(prim->hi, box.hi);
         ht_prim_set_id(prim, i);
         ht_box4_add(&c->bounds, box.lo, box.hi);
+        for (int k = 0; k < 3; ++k) {
+            float v[4];
+            ht_f4_store(v, corners.v[k]);
+            memcpy(triangle->v[k], v, sizeof triangle->v[k]);
+        }
         return true;
     }
     memset(triangle, 0, sizeof *triangle);
-    if (valid)
-        ++c->degenerate;
-    else
-        ++c->invalid;
-    return valid || !(l->builder->options->flags & HTREE_STRICT);
+    c->degenerate += verdict == HT_DEGENERATE;
+    c->invalid += verdict == HT_INVALID;
+    return verdict == HT_DEGENERATE || !(l->builder->options->flags & HTREE_STRICT);
 }
 
 static void load_chunk(void *data, uint32_t index) {

@@ -64,6 +64,42 @@ HT_INLINE ht_box4 ht_corners_box(const ht_corners *c) {
     return box;
 }
 
+/* ---- What can be hit ------------------------------------------------------------------------ */
+
+typedef enum ht_verdict { HT_HITTABLE, HT_DEGENERATE, HT_INVALID, HT_NO_VERTEX } ht_verdict;
+
+enum { HT_XYZ = 7 /* lanes that mean something */ };
+
+/* NaN and infinity are in the sum of all corners, where min and max could have lost a NaN. */
+HT_INLINE bool ht_corners_are_in_range(const ht_corners *c) {
+    const ht_f4 limit = ht_f4_all(HTREE_COORDINATE_MAX);
+    const ht_f4 sum = ht_f4_add(ht_f4_add(c->v[0], c->v[1]), c->v[2]);
+    const uint32_t finite = ht_f4_above(ht_f4_sub(sum, sum), ht_f4_all(-1));
+    const ht_box4 box = ht_corners_box(c);
+    const uint32_t beyond =
+        ht_f4_above(box.hi, limit) | ht_f4_above(ht_f4_sub(ht_f4_all(0), limit), box.lo);
+    return (~finite & HT_XYZ) == 0 && (beyond & HT_XYZ) == 0;
+}
+
+/* Settles nearly all triangles: a component of the cross product carries five roundings, so one that
+ * stands out by more than 2^-20 is not 0. */
+HT_INLINE bool ht_corners_have_area(const ht_corners *c) {
+    const ht_f4 a = ht_f4_sub(c->v[1], c->v[0]), b = ht_f4_sub(c->v[2], c->v[0]);
+    const ht_f4 p = ht_f4_mul(a, ht_f4_rotate(b)), q = ht_f4_mul(ht_f4_rotate(a), b);
+    const ht_f4 sum = ht_f4_add(ht_f4_magnitude(p), ht_f4_magnitude(q));
+    const ht_f4 error = ht_f4_add(ht_f4_mul(sum, ht_f4_all(1e-6f)), ht_f4_all(1e-30f));
+    return (ht_f4_above(ht_f4_magnitude(ht_f4_sub(p, q)), error) & HT_XYZ) != 0;
+}
+
+/* mesh.c: the same beyond doubt. */
+bool ht_corners_are_degenerate(const ht_corners *corners);
+
+HT_INLINE ht_verdict ht_corners_judge(const ht_corners *c) {
+    if (HT_UNLIKELY(!ht_corners_are_in_range(c))) return HT_INVALID;
+    if (HT_UNLIKELY(!ht_corners_have_area(c)) && ht_corners_are_degenerate(c)) return HT_DEGENERATE;
+    return HT_HITTABLE;
+}
+
 /* Reads the box of a prim that can be hit, and its id. */
 HT_INLINE void ht_source_prim(const ht_source *source, uint32_t id, ht_prim *prim) {
     if (id < source->triangle_count) {

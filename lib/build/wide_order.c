@@ -92,7 +92,8 @@ static uint32_t touch(const htree *tree, uint32_t errand) {
 
 static void end_lazy(htree *tree) {
     lazy *l = lazy_of(tree);
-    if (!l) return;
+    /* The tree may have moved since: htree_update. */
+    l->cells.memory = l->errands.memory = &tree->memory;
     ht_array_end(&l->errands);
     ht_array_end(&l->cells);
     ht_release(&tree->memory, l->order, l->prims * sizeof *l->order);
@@ -147,7 +148,6 @@ static htree_status become_lazy(ht_wide_build *build) {
     l->cells = build->cells.cells;
     l->errands = build->top.errands;
     l->order = build->cells.order;
-    l->cells.memory = l->errands.memory = &tree->memory;
     ht_array_begin(&build->cells.cells, &tree->memory, sizeof(ht_prim));
     ht_array_begin(&build->top.errands, &tree->memory, sizeof(ht_wide_errand));
     build->cells.order = NULL;

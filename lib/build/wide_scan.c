@@ -76,34 +76,6 @@ static void shape_grid(scan *s) {
 
 /* ---- Every prim ----------------------------------------------------------------------------- */
 
-enum { AXES = 7 /* lanes that mean something */ };
-
-/* NaN and infinity are in the sum of all corners, where min and max could have lost a NaN. */
-HT_INLINE bool is_in_range(const ht_corners *c, const ht_box4 *box) {
-    const ht_f4 limit = ht_f4_all(HTREE_COORDINATE_MAX);
-    const ht_f4 sum = ht_f4_add(ht_f4_add(c->v[0], c->v[1]), c->v[2]);
-    const uint32_t finite = ht_f4_above(ht_f4_sub(sum, sum), ht_f4_all(-1));
-    const uint32_t beyond =
-        ht_f4_above(box->hi, limit) | ht_f4_above(ht_f4_sub(ht_f4_all(0), limit), box->lo);
-    return (~finite & AXES) == 0 && (beyond & AXES) == 0;
-}
-
-/* Settles nearly all triangles: a component of the cross product carries five roundings, so one that
- * stands out by more than 2^-20 is not 0. */
-HT_INLINE bool has_area_in_float(const ht_corners *c) {
-    const ht_f4 a = ht_f4_sub(c->v[1], c->v[0]), b = ht_f4_sub(c->v[2], c->v[0]);
-    const ht_f4 p = ht_f4_mul(a, ht_f4_rotate(b)), q = ht_f4_mul(ht_f4_rotate(a), b);
-    const ht_f4 sum = ht_f4_add(ht_f4_magnitude(p), ht_f4_magnitude(q));
-    const ht_f4 error = ht_f4_add(ht_f4_mul(sum, ht_f4_all(1e-6f)), ht_f4_all(1e-30f));
-    return (ht_f4_above(ht_f4_magnitude(ht_f4_sub(p, q)), error) & AXES) != 0;
-}
-
-static HT_NOINLINE bool is_degenerate(const ht_corners *c) {
-    float v[3][4];
-    for (int k = 0; k < 3; ++k) ht_f4_store(v[k], c->v[k]);
-    return ht_triangle_is_degenerate(v[0], v[1], v[2]);
-}
-
 /* What the loop over a chunk works with: a copy, which no store through a pointer can change. */
 typedef struct scanner {
     ht_source source;
@@ -121,34 +93,32 @@ HT_INLINE void add_prim(scanner *s, uint32_t i, const ht_box4 *box) {
     ht_box4_add(&s->bounds, box->lo, box->hi);
 }
 
-typedef enum verdict { HITTABLE, DEGENERATE, INVALID, NO_VERTEX } verdict;
-
-HT_INLINE verdict scan_triangle(scanner *s, uint32_t i) {
-    if (HT_UNLIKELY(!ht_source_has_corners(&s->source, i))) return NO_VERTEX;
+HT_INLINE ht_verdict scan_triangle(scanner *s, uint32_t i) {
+    if (HT_UNLIKELY(!ht_source_has_corners(&s->source, i))) return HT_NO_VERTEX;
     const ht_corners corners = ht_source_corners(&s->source, i);
+    const ht_verdict verdict = ht_corners_judge(&corners);
+    if (HT_UNLIKELY(verdict != HT_HITTABLE)) return verdict;
     const ht_box4 box = ht_corners_box(&corners);
-    if (HT_UNLIKELY(!is_in_range(&corners, &box))) return INVALID;
-    if (HT_UNLIKELY(!has_area_in_float(&corners)) && is_degenerate(&corners)) return DEGENERATE;
     add_prim(s, i, &box);
-    return HITTABLE;
+    return HT_HITTABLE;
 }
 
-static verdict scan_object(scanner *s, uint32_t i) {
+static ht_verdict scan_object(scanner *s, uint32_t i) {
     ht_prim prim;
-    if (!ht_is_box_in_range(&s->source.boxes[i - s->source.triangle_count])) return INVALID;
+    if (!ht_is_box_in_range(&s->source.boxes[i - s->source.triangle_count])) return HT_INVALID;
     ht_source_prim(&s->source, i, &prim);
     const ht_box4 box = ht_prim_box4(&prim);
     add_prim(s, i, &box);
-    return HITTABLE;
+    return HT_HITTABLE;
 }
 
 /* Notes a prim that cannot be hit; returns false if the mesh is to be refused for it. */
-static bool skip(const scan *s, chunk *c, uint32_t i, verdict why) {
+static bool skip(const scan *s, chunk *c, uint32_t i, ht_verdict why) {
     s->cells->leaf_order[i] = HTREE_NONE;
-    c->degenerate += why == DEGENERATE;
-    c->invalid += why == INVALID;
-    c->no_vertex = why == NO_VERTEX;
-    if (why == DEGENERATE || (why == INVALID && !s->strict)) return true;
+    c->degenerate += why == HT_DEGENERATE;
+    c->invalid += why == HT_INVALID;
+    c->no_vertex = why == HT_NO_VERTEX;
+    if (why == HT_DEGENERATE || (why == HT_INVALID && !s->strict)) return true;
     c->bad = i;
     return false;
 }
@@ -163,12 +133,12 @@ static void scan_chunk(void *data, uint32_t index) {
         c->end < local.source.triangle_count ? c->end : local.source.triangle_count;
     uint32_t i = c->first;
     for (; i < triangles; ++i) {
-        const verdict v = scan_triangle(&local, i);
-        if (HT_UNLIKELY(v != HITTABLE) && !skip(s, c, i, v)) return;
+        const ht_verdict v = scan_triangle(&local, i);
+        if (HT_UNLIKELY(v != HT_HITTABLE) && !skip(s, c, i, v)) return;
     }
     for (; i < c->end; ++i) {
-        const verdict v = scan_object(&local, i);
-        if (v != HITTABLE && !skip(s, c, i, v)) return;
+        const ht_verdict v = scan_object(&local, i);
+        if (v != HT_HITTABLE && !skip(s, c, i, v)) return;
     }
     c->bounds = ht_box4_box(&local.bounds);
 }

@@ -88,7 +88,7 @@ void ht_cl_release(htree_cl *device) {
 
 static htree_status device_new(const ht_cl_api *api, const htree_cl_options *options,
                                htree_cl **out) {
-    ht_memory memory = {options->allocator, 0, 0};
+    ht_memory memory = {options->allocator, 0, 0, NULL};
     htree_cl *device = (htree_cl *)ht_allocate(&memory, sizeof *device);
     if (!device) return ht_cl_fail(HTREE_ERROR_MEMORY, 0, "out of memory");
     memset(device, 0, sizeof *device);

@@ -133,7 +133,7 @@ htree_status htree_calibrate(htree_options *options) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.size is %lu: call htree_options_init first",
                        (unsigned long)options->size);
     }
-    ht_memory memory = {options->allocator, 0, 0};
+    ht_memory memory = {options->allocator, 0, 0, NULL};
     calibration *c = (calibration *)ht_allocate(&memory, sizeof *c);
     if (!c) return HTREE_ERROR_MEMORY;
     c->state = 1;

@@ -105,7 +105,7 @@ htree_status htree_check(const htree *tree) {
                        (unsigned long)tree->stack);
     }
     /* A copy of the hook with its own count: a query may not change the tree. */
-    ht_memory memory = {tree->memory.hook, 0, 0};
+    ht_memory memory = {tree->memory.hook, 0, 0, NULL};
     const uint64_t slot_bytes = ht_slot_count(tree) / 8 + 1;
     const uint64_t prim_bytes = ((uint64_t)tree->triangle_count + tree->object_count) / 8 + 1;
     proof p = {tree, NULL, NULL, 0};

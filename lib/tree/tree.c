@@ -21,15 +21,21 @@ uint32_t ht_stack_limit(htree_kind kind) {
     return kind == HTREE_WIDE ? HT_WIDE_STACK : HT_MAX_DEPTH;
 }
 
+void ht_tree_release(htree *tree) {
+    ht_memory *memory = &tree->memory;
+    if (tree->lazy) tree->lazy->end(tree);
+    ht_release(memory, tree->nodes, tree->node_bytes);
+    ht_release(memory, tree->refs, tree->ref_count * sizeof *tree->refs);
+    ht_release(memory, tree->leaves, tree->leaf_count * sizeof *tree->leaves);
+    ht_release(memory, tree->object_boxes, tree->object_count * sizeof *tree->object_boxes);
+    ht_release(memory, tree->triangles, tree->triangle_count * sizeof *tree->triangles);
+}
+
 void htree_free(htree *tree) {
     if (!tree) return;
-    if (tree->lazy) tree->lazy->end(tree);
+    ht_tree_release(tree);
+    ht_recycler_end(&tree->memory);
     ht_memory memory = tree->memory;
-    ht_release(&memory, tree->nodes, tree->node_bytes);
-    ht_release(&memory, tree->refs, tree->ref_count * sizeof *tree->refs);
-    ht_release(&memory, tree->leaves, tree->leaf_count * sizeof *tree->leaves);
-    ht_release(&memory, tree->object_boxes, tree->object_count * sizeof *tree->object_boxes);
-    ht_release(&memory, tree->triangles, tree->triangle_count * sizeof *tree->triangles);
     ht_release(&memory, tree, sizeof *tree);
 }
 

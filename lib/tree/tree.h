@@ -50,6 +50,8 @@ struct htree {
     ht_ug_grid grid;
     uint32_t stack; /* traversal stack entries needed at most, <= ht_stack_limit */
 
+    htree_options options; /* of the build, for the next one */
+    double area;           /* of all boxes over that of the bounds, when it was built; 0: unknown */
     uint64_t invalid, degenerate;
     float cost_skd, cost_bv2, cost_bv6, cost_intersect;
     double build_seconds;
@@ -75,6 +77,9 @@ HT_INLINE uint32_t ht_wide_resolve(const htree *tree, uint32_t child) {
 
 /* The stack that walks of the kind have. */
 uint32_t ht_stack_limit(htree_kind kind);
+
+/* Gives back all arrays, but not the tree itself. */
+void ht_tree_release(htree *tree);
 
 /* Fails with ARGUMENT if tree is NULL. */
 htree_status ht_tree_verify(const htree *tree);

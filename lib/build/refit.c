@@ -1,0 +1,248 @@
+/* refit.c: new positions into the leaves of a wide tree, and boxes around them from the leaves up.
+ *
+ * The top is opened until there are subtrees enough for all threads. Each is refitted depth first,
+ * and the top's nodes at last, children before parents. Boxes are as exact as those of a build; what
+ * suffers is their fit, which the areas tell. */
+#include "refit.h"
+#include "wide.h"
+
+/* ---- Before anything changes ---------------------------------------------------------------- */
+
+enum { CHUNKS = 64, MOST_SUBTREES = 512 };
+
+typedef struct survey {
+    const htree *tree;
+    ht_source source;
+    uint32_t skipped[CHUNKS];
+    uint32_t bad[CHUNKS]; /* the first prim that has no vertex */
+} survey;
+
+static bool is_skipped(const ht_source *source, uint32_t i) {
+    if (i >= source->triangle_count)
+        return !ht_is_box_in_range(&source->boxes[i - source->triangle_count]);
+    const ht_corners corners = ht_source_corners(source, i);
+    return ht_corners_judge(&corners) != HT_HITTABLE;
+}
+
+static void survey_chunk(void *data, uint32_t index) {
+    survey *s = (survey *)data;
+    const ht_source source = s->source;
+    const uint64_t prims = (uint64_t)source.triangle_count + source.object_count;
+    const uint32_t end = (uint32_t)(prims * (index + 1) / CHUNKS);
+    uint32_t skipped = 0;
+    for (uint32_t i = (uint32_t)(prims * index / CHUNKS); i < end; ++i) {
+        if (i < source.triangle_count && HT_UNLIKELY(!ht_source_has_corners(&source, i))) {
+            s->bad[index] = i;
+            return;
+        }
+        skipped += is_skipped(&source, i);
+    }
+    s->skipped[index] = skipped;
+}
+
+/* As many skipped prims as before are the same ones if the tree refers to none of them. */
+static void survey_leaves(void *data, uint32_t index) {
+    survey *s = (survey *)data;
+    const htree *tree = s->tree;
+    const uint32_t end = (uint32_t)((uint64_t)tree->leaf_count * (index + 1) / CHUNKS);
+    uint32_t skipped = 0;
+    for (uint32_t i = (uint32_t)((uint64_t)tree->leaf_count * index / CHUNKS); i < end; ++i) {
+        const uint32_t *prims = tree->leaves[i].prim;
+        for (uint32_t k = 0; k < HT_LANES && prims[k] != HT_WIDE_NONE; ++k)
+            skipped += is_skipped(&s->source, prims[k]);
+    }
+    s->skipped[index] = skipped;
+}
+
+static uint64_t sum_of_skipped(const survey *s) {
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < CHUNKS; ++i) sum += s->skipped[i];
+    return sum;
+}
+
+htree_status ht_refit_verify(const htree *tree, const htree_mesh *mesh, bool *can) {
+    survey s;
+    memset(&s, 0, sizeof s);
+    memset(s.bad, 0xff, sizeof s.bad);
+    s.tree = tree;
+    s.source = ht_source_of(mesh);
+    *can = tree->kind == HTREE_WIDE && !tree->lazy && tree->prim_count > 0 &&
+           s.source.triangle_count == tree->triangle_count &&
+           s.source.object_count == tree->object_count;
+    if (!*can) return HTREE_OK;
+    ht_parallel_for(&tree->tasks, tree->threads, CHUNKS, survey_chunk, &s);
+    for (uint32_t i = 0; i < CHUNKS; ++i) {
+        if (s.bad[i] != HTREE_NONE) return ht_refuse_prim(&s.source, s.bad[i], true);
+    }
+    const uint64_t skipped = sum_of_skipped(&s);
+    *can = skipped == tree->invalid + tree->degenerate;
+    if (!*can || skipped == 0) return HTREE_OK;
+    ht_parallel_for(&tree->tasks, tree->threads, CHUNKS, survey_leaves, &s);
+    *can = sum_of_skipped(&s) == 0;
+    return HTREE_OK;
+}
+
+/* ---- Subtrees ------------------------------------------------------------------------------- */
+
+typedef struct subtree {
+    uint32_t parent, lane;
+    double areas; /* of the boxes below, which weigh what rays do there */
+} subtree;
+
+typedef struct refitting {
+    htree *tree;
+    ht_source source;
+    bool as_built; /* measures areas, and changes nothing */
+    uint32_t top[MOST_SUBTREES];
+    subtree subtrees[MOST_SUBTREES + HT_LANES];
+    uint32_t top_count, subtree_count;
+} refitting;
+
+static ht_wide_node *node_at(const refitting *r, uint32_t slot) {
+    return (ht_wide_node *)r->tree->nodes + slot;
+}
+
+static ht_box4 lane_box(const ht_wide_node *node, uint32_t lane) {
+    ht_box4 box;
+    box.lo = ht_f4_set(node->lo[0][lane], node->lo[1][lane], node->lo[2][lane], 0);
+    box.hi = ht_f4_set(node->hi[0][lane], node->hi[1][lane], node->hi[2][lane], 0);
+    return box;
+}
+
+static void set_lane(ht_wide_node *node, uint32_t lane, const ht_box4 *box) {
+    const htree_box b = ht_box4_box(box);
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        node->lo[axis][lane] = b.lo[axis];
+        node->hi[axis][lane] = b.hi[axis];
+    }
+}
+
+/* Idle lanes are empty boxes, which add nothing. */
+static ht_box4 node_box(const ht_wide_node *node) {
+    ht_box4 box = ht_box4_empty();
+    for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+        const ht_box4 one = lane_box(node, lane);
+        ht_box4_add(&box, one.lo, one.hi);
+    }
+    return box;
+}
+
+static ht_box4 refit_leaf(const refitting *r, ht_wide_leaf *leaf) {
+    const uint32_t count = ht_wide_leaf_count(leaf);
+    uint32_t prims[HT_LANES];
+    ht_box4 box = ht_box4_empty();
+    memcpy(prims, leaf->prim, sizeof prims);
+    ht_wide_write_leaf(&r->source, prims, count, leaf);
+    for (uint32_t i = 0; i < count; ++i) {
+        ht_prim prim;
+        ht_source_prim(&r->source, prims[i], &prim);
+        ht_box4_add(&box, ht_f4_load(prim.lo), ht_f4_load(prim.hi));
+    }
+    return box;
+}
+
+static ht_box4 refit_node(const refitting *r, uint32_t slot, double *areas) {
+    ht_wide_node *node = node_at(r, slot);
+    for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+        const uint32_t child = node->child[lane];
+        if (child == HT_WIDE_NONE) continue;
+        ht_box4 box = lane_box(node, lane);
+        if (!(child & HT_WIDE_LEAF)) {
+            box = refit_node(r, child, areas);
+        } else if (!r->as_built) {
+            box = refit_leaf(r, &r->tree->leaves[child & ~HT_WIDE_LEAF]);
+        }
+        const htree_box b = ht_box4_box(&box);
+        *areas += (double)ht_box_area(&b);
+        if (!r->as_built) set_lane(node, lane, &box);
+    }
+    return node_box(node);
+}
+
+static void refit_subtree(void *data, uint32_t index) {
+    refitting *r = (refitting *)data;
+    subtree *s = &r->subtrees[index];
+    ht_wide_node *parent = node_at(r, s->parent);
+    const uint32_t child = parent->child[s->lane];
+    ht_box4 box = lane_box(parent, s->lane);
+    if (!(child & HT_WIDE_LEAF)) {
+        box = refit_node(r, child, &s->areas);
+    } else if (!r->as_built) {
+        box = refit_leaf(r, &r->tree->leaves[child & ~HT_WIDE_LEAF]);
+    }
+    if (!r->as_built) set_lane(parent, s->lane, &box);
+}
+
+/* ---- The top -------------------------------------------------------------------------------- */
+
+/* Opens nodes in order until their children are enough. */
+static void open_top(refitting *r) {
+    r->top[0] = 0;
+    r->top_count = 1;
+    r->subtree_count = 0;
+    for (uint32_t i = 0; i < r->top_count; ++i) {
+        const ht_wide_node *node = node_at(r, r->top[i]);
+        for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+            const uint32_t child = node->child[lane];
+            const uint32_t waiting = r->top_count - i - 1;
+            if (child == HT_WIDE_NONE) continue;
+            if (!(child & HT_WIDE_LEAF) &&
+                r->subtree_count + HT_LANES * (waiting + 2) <= MOST_SUBTREES) {
+                r->top[r->top_count++] = child;
+            } else {
+                const subtree s = {r->top[i], lane, 0};
+                r->subtrees[r->subtree_count++] = s;
+            }
+        }
+    }
+}
+
+/* Children come after their parents in the list. */
+static void close_top(const refitting *r) {
+    for (uint32_t i = r->top_count; i-- > 0;) {
+        ht_wide_node *node = node_at(r, r->top[i]);
+        for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+            const uint32_t child = node->child[lane];
+            bool opened = false;
+            for (uint32_t k = i + 1; k < r->top_count && !opened; ++k) opened = r->top[k] == child;
+            if (!opened || child & HT_WIDE_LEAF) continue;
+            const ht_box4 box = node_box(node_at(r, child));
+            set_lane(node, lane, &box);
+        }
+    }
+}
+
+/* Areas of all boxes over that of the bounds: what a ray that meets the bounds is expected to meet. */
+static double run(refitting *r, bool as_built) {
+    double areas = 0;
+    htree *tree = r->tree;
+    r->as_built = as_built;
+    open_top(r);
+    ht_parallel_for(&tree->tasks, tree->threads, r->subtree_count, refit_subtree, r);
+    if (!as_built) close_top(r);
+    for (uint32_t i = 0; i < r->subtree_count; ++i) areas += r->subtrees[i].areas;
+    for (uint32_t i = 0; i < r->top_count; ++i) {
+        const ht_wide_node *node = node_at(r, r->top[i]);
+        for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+            const ht_box4 box = lane_box(node, lane);
+            const htree_box b = ht_box4_box(&box);
+            areas += (double)ht_box_area(&b);
+        }
+    }
+    const ht_box4 root = node_box(node_at(r, 0));
+    tree->bounds = ht_box4_box(&root);
+    const double area = (double)ht_box_area(&tree->bounds);
+    return area > 0 ? areas / area : 1;
+}
+
+double ht_refit(htree *tree, const htree_mesh *mesh) {
+    refitting r;
+    r.tree = tree;
+    r.source = ht_source_of(mesh);
+    if (tree->area == 0) tree->area = run(&r, true);
+    for (uint32_t i = 0; i < tree->object_count; ++i) {
+        const htree_box *box = &r.source.boxes[i];
+        tree->object_boxes[i] = ht_is_box_in_range(box) ? *box : ht_box_empty();
+    }
+    return run(&r, false) / tree->area;
+}
