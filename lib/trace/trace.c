@@ -25,6 +25,9 @@ static const ht_block_walks *find_block_walks(const htree *tree) {
     if (tree->kind == HTREE_WIDE && tree->isa == HT_AVX512) return &ht_wide_avx512_walks;
     if (tree->kind == HTREE_WIDE && tree->isa == HT_AVX2) return &ht_wide_avx2_walks;
 #endif
+#ifdef HT_ARM
+    if (tree->kind == HTREE_WIDE && tree->isa == HT_NEON) return &ht_wide_neon_walks;
+#endif
     (void)tree;
     return NULL;
 }

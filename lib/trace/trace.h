@@ -33,6 +33,7 @@ typedef struct ht_block_walks {
 } ht_block_walks;
 
 extern const ht_block_walks ht_wide_avx2_walks, ht_wide_avx512_walks; /* x86/ */
+extern const ht_block_walks ht_wide_neon_walks;                       /* arm/ */
 
 extern const ht_walks ht_ug_walks;   /* ug.c */
 extern const ht_walks ht_kd_walks;   /* kd.c */

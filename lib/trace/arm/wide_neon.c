@@ -1,0 +1,115 @@
+/* wide_neon.c: boxes and triangles of a wide tree by NEON, eight lanes as two halves of four;
+ * trace/streams.h does the rest. Floats are never multiplied and added in one instruction: every
+ * other path rounds the product, so hits would not be the same bits. */
+#include "base/isa.h"
+
+#ifdef HT_ARM
+#define HT_TARGET /* every 64-bit ARM has it */
+#include "trace/streams.h"
+#include "trace/to_front.h"
+
+#include <arm_neon.h>
+
+/* What lane i adds to lanes_in: bit i ^ flip, and one to the count. */
+HT_INLINE uint16x8_t lane_bits(uint32_t flip) {
+    static const int16_t lane[HT_LANES] = {0, 1, 2, 3, 4, 5, 6, 7};
+    const int16x8_t place = veorq_s16(vld1q_s16(lane), vdupq_n_s16((int16_t)flip));
+    return vorrq_u16(vshlq_u16(vdupq_n_u16(1), place), vdupq_n_u16(256));
+}
+
+/* The sum of bits over the lanes whose words are all ones: a mask, and eight bits higher their
+ * number. */
+HT_INLINE uint32_t lanes_in(uint32x4_t low, uint32x4_t high, uint16x8_t bits) {
+    return vaddvq_u16(vandq_u16(vcombine_u16(vmovn_u32(low), vmovn_u32(high)), bits));
+}
+
+/* ---- Boxes ---------------------------------------------------------------------------------- */
+
+HT_INLINE void clip_axis(const float *planes, const ht_ray *r, int axis, float32x4_t *enter,
+                         float32x4_t *leave) {
+    const uint32_t negative = r->negative[axis];
+    const float32x4_t near = vld1q_f32(planes + 8 * axis + 24 * negative);
+    const float32x4_t far = vld1q_f32(planes + 8 * axis + 24 * (1 - negative));
+    const float32x4_t from = vdupq_n_f32(r->entry[axis]), to = vdupq_n_f32(r->exit[axis]);
+    *enter = vmaxnmq_f32(vmulq_n_f32(vsubq_f32(near, from), r->rdir[axis]), *enter);
+    *leave = vminnmq_f32(vmulq_n_f32(vsubq_f32(far, to), r->rdir[axis]), *leave);
+}
+
+/* All ones where the ray meets the box of a lane, of four. */
+HT_INLINE uint32x4_t clip_half(const float *planes, const stream *s, float32x4_t *enter) {
+    float32x4_t leave = vdupq_n_f32(s->hit.t);
+    *enter = vdupq_n_f32(s->r.tnear);
+    clip_axis(planes, &s->r, 0, enter, &leave);
+    clip_axis(planes, &s->r, 1, enter, &leave);
+    clip_axis(planes, &s->r, 2, enter, &leave);
+    return vcleq_f32(*enter, leave);
+}
+
+/* The bytes of four words out of eight. */
+HT_INLINE uint8x16_t bytes_of(uint16x4_t words) {
+    const uint32x4_t first = vmulq_n_u32(vmovl_u16(words), 0x04040404);
+    return vreinterpretq_u8_u32(vorrq_u32(first, vdupq_n_u32(0x03020100)));
+}
+
+/* Moves eight words, the one whose number is from[i] to place i: orders and compresses at once. */
+HT_INLINE void store_words(void *to, uint8x16x2_t words, uint16x8_t from) {
+    vst1q_u8((uint8_t *)to, vqtbl2q_u8(words, bytes_of(vget_low_u16(from))));
+    vst1q_u8((uint8_t *)to + 16, vqtbl2q_u8(words, bytes_of(vget_high_u16(from))));
+}
+
+HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bool any) {
+    const float *planes = &node->lo[0][0];
+    const uint32_t flip = any ? 0 : s->order ^ 7; /* what is met first comes last, on top */
+    const uint32_t top = s->top;
+    float32x4_t enter[2];
+    const uint32x4_t low = clip_half(planes, s, &enter[0]);
+    const uint32x4_t high = clip_half(planes + 4, s, &enter[1]);
+    const uint32_t met = lanes_in(low, high, lane_bits(flip));
+    const uint8x8_t places = vcreate_u8(ht_to_front[met & 255]);
+    const uint16x8_t from = vmovl_u8(veor_u8(places, vdup_n_u8((uint8_t)flip)));
+    const uint8x16x2_t near = {{vreinterpretq_u8_f32(enter[0]), vreinterpretq_u8_f32(enter[1])}};
+    if (!any) store_words(s->tnear + top, near, from);
+    store_words(s->child + top, vld1q_u8_x2((const uint8_t *)node->child), from);
+    s->top = top + (met >> 8);
+}
+
+/* ---- Triangles ------------------------------------------------------------------------------ */
+
+typedef struct corner_lanes {
+    float32x4_t x, y, z;
+} corner_lanes;
+
+HT_INLINE corner_lanes shear_corner(const float (*v)[HT_LANES], uint32_t lane, const ht_shear *s) {
+    const float32x4_t x = vsubq_f32(vld1q_f32(v[s->kx] + lane), vdupq_n_f32(s->org[s->kx]));
+    const float32x4_t y = vsubq_f32(vld1q_f32(v[s->ky] + lane), vdupq_n_f32(s->org[s->ky]));
+    corner_lanes c;
+    c.z = vsubq_f32(vld1q_f32(v[s->kz] + lane), vdupq_n_f32(s->org[s->kz]));
+    c.x = vsubq_f32(x, vmulq_n_f32(c.z, s->sx));
+    c.y = vsubq_f32(y, vmulq_n_f32(c.z, s->sy));
+    return c;
+}
+
+HT_INLINE float32x4_t edge(corner_lanes a, corner_lanes b) {
+    return vsubq_f32(vmulq_f32(a.x, b.y), vmulq_f32(a.y, b.x));
+}
+
+/* All ones where no two signs differ: the ray may hit the triangle of a lane, of four. */
+HT_INLINE uint32x4_t may_hit(const ht_wide_leaf *leaf, uint32_t lane, const ht_shear *s) {
+    const corner_lanes a = shear_corner(leaf->v[0], lane, s);
+    const corner_lanes b = shear_corner(leaf->v[1], lane, s);
+    const corner_lanes c = shear_corner(leaf->v[2], lane, s);
+    const float32x4_t u = edge(c, b), v = edge(a, c), w = edge(b, a);
+    const uint32x4_t below = vcltzq_f32(vminnmq_f32(vminnmq_f32(u, v), w));
+    const uint32x4_t above = vcgtzq_f32(vmaxnmq_f32(vmaxnmq_f32(u, v), w));
+    const uint32x4_t in_use = vcgezq_s32(vreinterpretq_s32_u32(vld1q_u32(leaf->prim + lane)));
+    return vbicq_u32(in_use, vandq_u32(below, above));
+}
+
+HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ht_shear *s) {
+    return lanes_in(may_hit(leaf, 0, s), may_hit(leaf, 4, s), lane_bits(0)) & 255;
+}
+
+HT_DEFINE_BLOCK_WALKS(ht_wide_neon_walks);
+#else
+typedef int ht_no_neon; /* a file is not empty */
+#endif
