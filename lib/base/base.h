@@ -5,12 +5,16 @@
 #include "htree.h"
 
 #include <assert.h>
+#include <float.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
 #if defined(__FAST_MATH__) || defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
 #error "libhtree needs IEEE arithmetic: NaN and infinity are defined inputs"
+#endif
+#if FLT_EVAL_METHOD
+#error "libhtree needs floats rounded at every step: on 32-bit x86, -msse2 -mfpmath=sse"
 #endif
 
 #if defined(__GNUC__)
