@@ -274,7 +274,10 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind house
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm house
+
+check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
+	$(Q)sh tests/arm.sh
 
 layers: ## check the include law and the map of lib/README.md
 	$(Q)sh tests/layers.sh
@@ -322,6 +325,6 @@ help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(filter-out %.d,$(MAKEFILE_LIST)) | expand -t 18
 
-.PHONY: print-packages all lib run bench bench-device table1 plots tests test check layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench bench-device table1 plots tests test check check-arm layers format deps install uninstall clean help
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
