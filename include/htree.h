@@ -323,7 +323,7 @@ typedef struct htree_stats {
     uint64_t triangles;  /* as given */
     uint64_t objects;    /* as given */
     uint64_t invalid;    /* skipped: NaN, infinite or oversize coordinates */
-    uint64_t degenerate; /* skipped: triangles without area */
+    uint64_t degenerate; /* skipped: triangles without area, when the tree was built */
 
     uint64_t nodes;      /* N_NS, all nodes */
     uint64_t leaves;     /* N_E */

@@ -159,6 +159,15 @@ static void other_prims_than_before_mean_a_rebuild(void **state) {
     update(tree, &mesh, HTREE_REFIT, NULL);
     assert_int_equal(stats_of(tree).invalid, 0);
     oracle_compare(tree, &mesh, RAYS, 3);
+    /* Without area, and with it again: the tree was built without the triangle. */
+    float *const corner = s.positions + 3 * s.indices[30];
+    memcpy(corner, s.positions + 3 * s.indices[31], 3 * sizeof *corner);
+    update(tree, &mesh, HTREE_REBUILD, NULL);
+    assert_true(stats_of(tree).degenerate > 0);
+    corner[0] = was[0];
+    update(tree, &mesh, HTREE_REFIT, NULL);
+    assert_int_equal(stats_of(tree).degenerate, 0);
+    oracle_compare(tree, &mesh, RAYS, 4);
     htree_free(tree);
     shape_free(&s);
 }

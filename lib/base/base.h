@@ -21,11 +21,13 @@
 #define HT_INLINE              static inline __attribute__((always_inline))
 #define HT_NOINLINE            __attribute__((noinline))
 #define HT_UNLIKELY(x)         __builtin_expect(!!(x), 0)
+#define HT_PREFETCH(address)   __builtin_prefetch(address)
 #define HT_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #else
 #define HT_INLINE static inline
 #define HT_NOINLINE
-#define HT_UNLIKELY(x) (x)
+#define HT_UNLIKELY(x)       (x)
+#define HT_PREFETCH(address) ((void)(address))
 #define HT_PRINTF(text, first)
 #endif
 

@@ -15,7 +15,38 @@ typedef struct survey {
     ht_source source;
     uint32_t skipped[CHUNKS];
     uint32_t bad[CHUNKS]; /* the first prim that has no vertex */
+    bool plain[CHUNKS];   /* every index is a vertex, and every vertex and box is in range */
 } survey;
+
+typedef struct range {
+    uint64_t first, end;
+} range;
+
+static range chunk_of(uint64_t count, uint32_t index) {
+    const range r = {count * index / CHUNKS, count * (index + 1) / CHUNKS};
+    return r;
+}
+
+/* Arrays in their order, which is faster than triangle by triangle. */
+static void survey_arrays(void *data, uint32_t index) {
+    survey *s = (survey *)data;
+    const ht_source source = s->source;
+    const range indices = chunk_of(source.indices ? 3 * (uint64_t)source.triangle_count : 0, index);
+    const range vertices = chunk_of(source.vertex_count, index);
+    const range boxes = chunk_of(source.object_count, index);
+    uint32_t largest = 0;
+    bool plain = true;
+    for (uint64_t i = indices.first; i < indices.end; ++i)
+        largest = source.indices[i] > largest ? source.indices[i] : largest;
+    for (uint64_t i = vertices.first; i < vertices.end; ++i) {
+        const ht_f4 p = ht_source_position(&source, i);
+        const uint32_t in = ht_f4_above(ht_f4_all(2 * HTREE_COORDINATE_MAX), ht_f4_magnitude(p));
+        plain &= (~in & HT_XYZ) == 0;
+    }
+    for (uint64_t i = boxes.first; i < boxes.end; ++i)
+        plain &= ht_is_box_in_range(&source.boxes[i]);
+    s->plain[index] = plain && (indices.first == indices.end || largest < source.vertex_count);
+}
 
 static bool is_skipped(const ht_source *source, uint32_t i) {
     if (i >= source->triangle_count)
@@ -24,13 +55,12 @@ static bool is_skipped(const ht_source *source, uint32_t i) {
     return ht_corners_judge(&corners) != HT_HITTABLE;
 }
 
-static void survey_chunk(void *data, uint32_t index) {
+static void survey_prims(void *data, uint32_t index) {
     survey *s = (survey *)data;
     const ht_source source = s->source;
-    const uint64_t prims = (uint64_t)source.triangle_count + source.object_count;
-    const uint32_t end = (uint32_t)(prims * (index + 1) / CHUNKS);
+    const range prims = chunk_of((uint64_t)source.triangle_count + source.object_count, index);
     uint32_t skipped = 0;
-    for (uint32_t i = (uint32_t)(prims * index / CHUNKS); i < end; ++i) {
+    for (uint32_t i = (uint32_t)prims.first; i < prims.end; ++i) {
         if (i < source.triangle_count && HT_UNLIKELY(!ht_source_has_corners(&source, i))) {
             s->bad[index] = i;
             return;
@@ -43,15 +73,46 @@ static void survey_chunk(void *data, uint32_t index) {
 /* As many skipped prims as before are the same ones if the tree refers to none of them. */
 static void survey_leaves(void *data, uint32_t index) {
     survey *s = (survey *)data;
-    const htree *tree = s->tree;
-    const uint32_t end = (uint32_t)((uint64_t)tree->leaf_count * (index + 1) / CHUNKS);
+    const range leaves = chunk_of(s->tree->leaf_count, index);
     uint32_t skipped = 0;
-    for (uint32_t i = (uint32_t)((uint64_t)tree->leaf_count * index / CHUNKS); i < end; ++i) {
-        const uint32_t *prims = tree->leaves[i].prim;
+    for (uint64_t i = leaves.first; i < leaves.end; ++i) {
+        const uint32_t *prims = s->tree->leaves[i].prim;
         for (uint32_t k = 0; k < HT_LANES && prims[k] != HT_WIDE_NONE; ++k)
             skipped += is_skipped(&s->source, prims[k]);
     }
     s->skipped[index] = skipped;
+}
+
+static void run_survey(survey *s, ht_task *task) {
+    ht_parallel_for(&s->tree->tasks, s->tree->threads, CHUNKS, task, s);
+}
+
+static bool is_plain(survey *s) {
+    bool plain = true;
+    run_survey(s, survey_arrays);
+    for (uint32_t i = 0; i < CHUNKS; ++i) plain &= s->plain[i];
+    return plain;
+}
+
+/* Judges the prims that the tree does not refer to. */
+static htree_status find_returning(const survey *s, bool *returns) {
+    const htree *tree = s->tree;
+    const uint32_t prims = tree->triangle_count + tree->object_count;
+    const uint64_t bytes = prims / 8 + 1;
+    ht_memory memory = {tree->memory.hook, 0, 0, NULL};
+    uint8_t *known = (uint8_t *)ht_allocate(&memory, bytes);
+    if (!known) return HTREE_ERROR_MEMORY;
+    memset(known, 0, (size_t)bytes);
+    for (uint32_t i = 0; i < tree->leaf_count; ++i) {
+        const uint32_t *prim = tree->leaves[i].prim;
+        for (uint32_t k = 0; k < HT_LANES && prim[k] != HT_WIDE_NONE; ++k)
+            known[prim[k] >> 3] = (uint8_t)(known[prim[k] >> 3] | 1u << (prim[k] & 7));
+    }
+    *returns = false;
+    for (uint32_t i = 0; i < prims && !*returns; ++i)
+        *returns = !(known[i >> 3] >> (i & 7) & 1) && !is_skipped(&s->source, i);
+    ht_release(&memory, known, bytes);
+    return HTREE_OK;
 }
 
 static uint64_t sum_of_skipped(const survey *s) {
@@ -70,14 +131,22 @@ htree_status ht_refit_verify(const htree *tree, const htree_mesh *mesh, bool *ca
            s.source.triangle_count == tree->triangle_count &&
            s.source.object_count == tree->object_count;
     if (!*can) return HTREE_OK;
-    ht_parallel_for(&tree->tasks, tree->threads, CHUNKS, survey_chunk, &s);
+    /* Where everything is in range, triangles without area are all that could be new, and those do
+     * no harm in a leaf. */
+    if (is_plain(&s)) {
+        bool returns = false;
+        if (tree->invalid + tree->degenerate) HT_TRY(find_returning(&s, &returns));
+        *can = !returns;
+        return HTREE_OK;
+    }
+    run_survey(&s, survey_prims);
     for (uint32_t i = 0; i < CHUNKS; ++i) {
         if (s.bad[i] != HTREE_NONE) return ht_refuse_prim(&s.source, s.bad[i], true);
     }
     const uint64_t skipped = sum_of_skipped(&s);
     *can = skipped == tree->invalid + tree->degenerate;
     if (!*can || skipped == 0) return HTREE_OK;
-    ht_parallel_for(&tree->tasks, tree->threads, CHUNKS, survey_leaves, &s);
+    run_survey(&s, survey_leaves);
     *can = sum_of_skipped(&s) == 0;
     return HTREE_OK;
 }
@@ -128,21 +197,26 @@ static ht_box4 node_box(const ht_wide_node *node) {
 }
 
 static ht_box4 refit_leaf(const refitting *r, ht_wide_leaf *leaf) {
-    const uint32_t count = ht_wide_leaf_count(leaf);
     uint32_t prims[HT_LANES];
-    ht_box4 box = ht_box4_empty();
     memcpy(prims, leaf->prim, sizeof prims);
-    ht_wide_write_leaf(&r->source, prims, count, leaf);
-    for (uint32_t i = 0; i < count; ++i) {
-        ht_prim prim;
-        ht_source_prim(&r->source, prims[i], &prim);
-        ht_box4_add(&box, ht_f4_load(prim.lo), ht_f4_load(prim.hi));
+    return ht_wide_write_leaf(&r->source, prims, ht_wide_leaf_count(leaf), leaf);
+}
+
+/* Leaves are read once each, and which comes next is known only here. */
+static void prefetch_children(const refitting *r, const ht_wide_node *node) {
+    for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
+        const uint32_t child = node->child[lane];
+        if (child == HT_WIDE_NONE) continue;
+        if (child & HT_WIDE_LEAF)
+            HT_PREFETCH(r->tree->leaves[child & ~HT_WIDE_LEAF].prim);
+        else
+            HT_PREFETCH(node_at(r, child)->child);
     }
-    return box;
 }
 
 static ht_box4 refit_node(const refitting *r, uint32_t slot, double *areas) {
     ht_wide_node *node = node_at(r, slot);
+    prefetch_children(r, node);
     for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
         const uint32_t child = node->child[lane];
         if (child == HT_WIDE_NONE) continue;

@@ -91,9 +91,9 @@ HT_INLINE void ht_wide_set_child(ht_wide_part *part, uint32_t slot, uint32_t lan
 /* A leaf over a range of leaf_order. */
 htree_status ht_wide_add_leaf(ht_wide_part *part, uint32_t first, uint32_t count, uint32_t *child);
 
-/* A leaf of at most HT_LANES prims; user objects come last. */
-void ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
-                        ht_wide_leaf *leaf);
+/* A leaf of at most HT_LANES prims; user objects come last. Returns their box. */
+ht_box4 ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
+                           ht_wide_leaf *leaf);
 
 /* ---- Errands -------------------------------------------------------------------------------- */
 

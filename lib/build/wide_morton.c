@@ -63,13 +63,8 @@ static void sort_prims(building *b, uint32_t count) {
 
 static uint32_t add_leaf(building *b, uint32_t start, uint32_t count, ht_box4 *box) {
     uint32_t prims[HT_LANES];
-    *box = ht_box4_empty();
-    for (uint32_t i = 0; i < count; ++i) {
-        const ht_prim *prim = &b->prims[b->order[start + i]];
-        ht_box4_add(box, ht_f4_load(prim->lo), ht_f4_load(prim->hi));
-        prims[i] = ht_prim_id(prim);
-    }
-    ht_wide_write_leaf(b->source, prims, count, &b->leaves[b->next_leaf]);
+    for (uint32_t i = 0; i < count; ++i) prims[i] = ht_prim_id(&b->prims[b->order[start + i]]);
+    *box = ht_wide_write_leaf(b->source, prims, count, &b->leaves[b->next_leaf]);
     return HT_WIDE_LEAF | b->next_leaf++;
 }
 

@@ -36,24 +36,35 @@ static uint32_t order_prims(const ht_source *source, const uint32_t *prims, uint
 }
 
 /* Four triangles at a time, which come corner by corner and go coordinate by coordinate. */
-void ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
-                        ht_wide_leaf *leaf) {
-    const uint32_t triangles = order_prims(source, prims, count, leaf->prim);
+ht_box4 ht_wide_write_leaf(const ht_source *from, const uint32_t *prims, uint32_t count,
+                           ht_wide_leaf *leaf) {
+    const ht_source source = *from; /* which no store can change */
+    const uint32_t triangles = order_prims(from, prims, count, leaf->prim);
+    ht_box4 box = ht_box4_empty();
     for (uint32_t half = 0; half < HT_LANES; half += 4) {
-        ht_corners corners[4];
+        ht_f4 rows[3][4];
         for (uint32_t i = 0; i < 4; ++i) {
-            const ht_corners nothing = {{ht_f4_all(0), ht_f4_all(0), ht_f4_all(0)}};
-            corners[i] = nothing;
-            if (half + i < triangles) corners[i] = ht_source_corners(source, leaf->prim[half + i]);
+            const ht_f4 zero = ht_f4_all(0);
+            ht_corners c = {{zero, zero, zero}};
+            if (half + i < triangles) {
+                c = ht_source_corners(&source, leaf->prim[half + i]);
+                const ht_box4 one = ht_corners_box(&c);
+                ht_box4_add(&box, one.lo, one.hi);
+            }
+            for (uint32_t k = 0; k < 3; ++k) rows[k][i] = c.v[k];
         }
         for (uint32_t k = 0; k < 3; ++k) {
-            ht_f4 row[4];
-            for (uint32_t i = 0; i < 4; ++i) row[i] = corners[i].v[k];
-            ht_f4_transpose(row);
+            ht_f4_transpose(rows[k]);
             for (uint32_t axis = 0; axis < 3; ++axis)
-                ht_f4_store(&leaf->v[k][axis][half], row[axis]);
+                ht_f4_store(&leaf->v[k][axis][half], rows[k][axis]);
         }
     }
+    for (uint32_t i = triangles; i < count; ++i) {
+        ht_prim object;
+        ht_source_prim(&source, leaf->prim[i], &object);
+        ht_box4_add(&box, ht_f4_load(object.lo), ht_f4_load(object.hi));
+    }
+    return box;
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */

@@ -37,8 +37,10 @@ static htree_box box_of(const htree *tree, const ht_node_view *view, uint32_t i)
         const uint32_t object = prim - tree->triangle_count;
         return object < tree->object_count ? tree->object_boxes[object] : box;
     }
+    /* A refit may leave triangles without area in the leaves of a wide tree. */
     const ht_triangle t = ht_view_triangle(tree, view, i);
-    if (!is_in_range(&t) || ht_triangle_is_degenerate(t.v[0], t.v[1], t.v[2])) return box;
+    if (!is_in_range(&t)) return box;
+    if (!view->block && ht_triangle_is_degenerate(t.v[0], t.v[1], t.v[2])) return box;
     for (int k = 0; k < 3; ++k) ht_box_add_point(&box, t.v[k]);
     return box;
 }
