@@ -12,14 +12,14 @@ enum {
 /* ---- Runs ----------------------------------------------------------------------------------- */
 
 /* The run to split next: the largest box, or where levels are scarce the most prims; `count` if
- * every run fits into a leaf, or is a single cell. */
-static uint32_t choose_run(const ht_wide_run *runs, uint32_t count, const float *areas,
-                           bool scarce) {
+ * every run is of at most `enough` prims, or a single cell. */
+static uint32_t choose_run(const ht_wide_run *runs, uint32_t count, const float *areas, bool scarce,
+                           uint32_t enough) {
     uint32_t best = count;
     float most = -1;
     for (uint32_t i = 0; i < count; ++i) {
         const float worth = scarce ? (float)runs[i].prims : areas[i];
-        if (runs[i].prims > HT_LANES && runs[i].count > 1 && worth > most) {
+        if (runs[i].prims > enough && runs[i].count > 1 && worth > most) {
             most = worth;
             best = i;
         }
@@ -29,12 +29,15 @@ static uint32_t choose_run(const ht_wide_run *runs, uint32_t count, const float 
 
 uint32_t ht_wide_split(const htree_options *options, ht_prim *spare, const ht_wide_run *all,
                        bool scarce, bool cells, ht_wide_run *runs) {
+    /* What a node of leaves can hold is left whole for one, lest nodes stay half empty. */
+    const bool is_large = all->prims > HT_LANES * HT_LANES && !scarce;
+    const uint32_t enough = is_large ? HT_LANES * HT_LANES : HT_LANES;
     float areas[HT_LANES];
     uint32_t count = 1;
     runs[0] = *all;
     areas[0] = ht_box_area(&all->box);
     while (count < HT_LANES) {
-        const uint32_t chosen = choose_run(runs, count, areas, scarce);
+        const uint32_t chosen = choose_run(runs, count, areas, scarce, enough);
         if (chosen == count) break;
         ht_wide_run *left = &runs[chosen], *right = &runs[count];
         const ht_split_rule rule = {scarce ? ht_levels_needed(left->count) : HT_MAX_DEPTH,
