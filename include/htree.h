@@ -188,8 +188,10 @@ enum {
     HTREE_ANY_PLANES = 2,  /* H, AH: bounding nodes of any of 63 plane sets, not BV2 and BV6 only */
     HTREE_LOOSE_PLANES = 4, /* AH: planes as the grid gives them, half a cell wide (section 7.1) */
     HTREE_MORTON = 8, /* WIDE: Morton order below the grid: faster to build, slower to trace */
-    HTREE_LAZY = 16   /* WIDE: only the top is built, the rest by the first ray that gets there; the
+    HTREE_LAZY = 16,  /* WIDE: only the top is built, the rest by the first ray that gets there; the
                          mesh's arrays must stay as they are until htree_complete or htree_free */
+    HTREE_COMPACT = 32 /* WIDE: less than half of the memory, slower to build and to trace; not with
+                          HTREE_LAZY */
 };
 
 /* How to build. htree_options_init writes every default; change what you need after it. */
@@ -262,7 +264,7 @@ enum {
  * objects' boxes and callback given now; the tree stays where it is. From the first call on the tree
  * keeps the memory of its builds until htree_free.
  * Refit      for a mesh of as many triangles and objects. The tree is rebuilt where refitting cannot
- *            do: other kinds, a lazy tree, or other prims than before that can be hit.
+ *            do: other kinds, a lazy or a compact tree, or other prims than before that can be hit.
  * quality    gets the expected cost of a ray now over that when the tree was built: 1 after a
  *            rebuild; from about 1.5 on rebuilding pays. NULL is allowed.
  * Threads    no query may be running on the tree.
@@ -367,7 +369,7 @@ typedef struct htree_view {
 } htree_view;
 
 /* Fills *view, whose `size` the caller has set. Any thread.
- * Errors     ARGUMENT; UNSUPPORTED for a lazy tree before htree_complete. */
+ * Errors     ARGUMENT; UNSUPPORTED for a lazy tree before htree_complete, and for a compact one. */
 HTREE_API htree_status htree_get_view(const htree *tree, htree_view *view);
 
 /* Proves the structure: every node is reached once, every box and plane contains what lies below

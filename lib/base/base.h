@@ -20,6 +20,7 @@
 #if defined(__GNUC__)
 #define HT_INLINE              static inline __attribute__((always_inline))
 #define HT_NOINLINE            __attribute__((noinline))
+#define HT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define HT_UNLIKELY(x)         __builtin_expect(!!(x), 0)
 #define HT_PREFETCH(address)   __builtin_prefetch(address)
 #define HT_PRINTF(text, first) __attribute__((format(printf, text, first)))

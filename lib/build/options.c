@@ -20,8 +20,8 @@ static const struct {
 };
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 
-static const uint32_t KNOWN_FLAGS =
-    HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES | HTREE_MORTON | HTREE_LAZY;
+static const uint32_t KNOWN_FLAGS = HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES |
+                                    HTREE_MORTON | HTREE_LAZY | HTREE_COMPACT;
 
 /* The struct as version 0.1 knew it. */
 enum { FIRST_OPTIONS_SIZE = sizeof(htree_options) };
@@ -106,6 +106,10 @@ htree_status ht_options_read(const htree_options *given, htree_options *options)
     if (options->flags & ~KNOWN_FLAGS) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.flags is %#lx: unknown bits",
                        (unsigned long)options->flags);
+    }
+    if ((options->flags & HTREE_LAZY) && (options->flags & HTREE_COMPACT)) {
+        return ht_fail(HTREE_ERROR_ARGUMENT,
+                       "options.flags: a tree is HTREE_LAZY or HTREE_COMPACT, not both");
     }
     if (options->buckets < 2 || options->buckets > 64) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.buckets is %lu: must be 2 to 64",

@@ -31,6 +31,7 @@ static htree_status run_build(ht_wide_build *build) {
     HT_TRY(ht_wide_refine(build));
     HT_TRY(ht_wide_build_top(build));
     HT_TRY(is_by_order(build) ? ht_wide_finish_by_order(build) : ht_wide_finish_by_cost(build));
+    if (builder->options->flags & HTREE_COMPACT) HT_TRY(ht_wide_compact(builder));
     const uint64_t skipped = tree->invalid + tree->degenerate;
     return ht_progress_step(&builder->progress, skipped) ? HTREE_OK : HTREE_ERROR_CANCELLED;
 }

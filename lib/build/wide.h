@@ -7,6 +7,7 @@
  *     wide_cost.c     errands by cost, joined into a tree;  wide_errand.c: one of them
  *     wide_order.c    errands by Morton order, at once or lazily;  wide_morton.c: one of them
  *     wide_nodes.c    nodes and leaves as walks read them
+ *     wide_compact.c  the finished tree in less memory
  */
 #ifndef HT_WIDE_H
 #define HT_WIDE_H
@@ -159,5 +160,8 @@ uint32_t ht_wide_morton_leaves(uint32_t prims);
 uint32_t ht_wide_morton_stack(uint32_t prims);
 void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32_t *order,
                         const ht_wide_errand *errand);
+
+/* wide_compact.c: takes the place of the tree's nodes and leaves. */
+htree_status ht_wide_compact(const ht_builder *builder);
 
 #endif

@@ -1,5 +1,5 @@
 /* streams.h: walks a wide tree with several rays at a time: included once per instruction set,
- * which defines HT_TARGET before and step_node() and candidates() after.
+ * which defines HT_TARGET before, and after it what is declared here.
  *
  * One ray waits for memory and mispredicts its branches; four rays that take their steps in turn
  * keep the core busy meanwhile. Every lane does what trace/wide.c does, in the same order, so hits
@@ -29,6 +29,10 @@ HT_TARGET HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bo
 
 /* A bit for every lane in use that the float signs do not reject: see triangle.h. */
 HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ht_shear *s);
+
+/* As ht_expand_node and ht_expand_leaf. */
+HT_TARGET HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node);
+HT_TARGET HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf);
 
 /* ---- Leaves --------------------------------------------------------------------------------- */
 
@@ -79,6 +83,23 @@ HT_TARGET HT_INLINE bool step_leaf(const htree *tree, const ht_wide_leaf *leaf, 
 
 /* ---- Rays in turn --------------------------------------------------------------------------- */
 
+/* The step into a child of a compact tree: apart from the others, which it would slow down. */
+HT_TARGET HT_NOINLINE static bool step_compact(const htree *tree, stream *s, uint32_t child,
+                                               bool any) {
+    HT_ALIGNED(64) ht_wide_node node;
+    HT_ALIGNED(64) ht_wide_leaf leaf;
+    if (is_leaf(child)) {
+        expand_leaf(tree, child & ~HT_WIDE_LEAF, &leaf);
+        return step_leaf(tree, &leaf, s, any);
+    }
+    expand_node(tree, child, &node);
+    if (any)
+        step_node(&node, s, true);
+    else
+        step_node(&node, s, false);
+    return false;
+}
+
 /* Takes one step; true when the ray has its answer. */
 HT_TARGET HT_INLINE bool step(const htree *tree, stream *s, const bool any) {
     /* Strictly beyond the best hit: at equal t a lower prim may still win. */
@@ -87,6 +108,7 @@ HT_TARGET HT_INLINE bool step(const htree *tree, stream *s, const bool any) {
         --s->top;
     } while (!any && s->tnear[s->top] > s->hit.t);
     uint32_t child = s->child[s->top];
+    if (HT_UNLIKELY(ht_is_compact(tree))) return step_compact(tree, s, child, any);
     if (is_leaf(child)) {
         child = ht_wide_resolve(tree, child);
         if (is_leaf(child)) return step_leaf(tree, leaf_of(tree, child), s, any);

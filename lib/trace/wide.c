@@ -84,21 +84,24 @@ HT_INLINE bool intersect_leaf(const htree *tree, const ht_wide_leaf *leaf, const
 
 HT_INLINE void walk_wide(const htree *tree, const htree_ray *ray, const ht_ray *r, htree_hit *hit,
                          htree_counters *counters, const bool any, const bool counted) {
-    const ht_wide_node *nodes = (const ht_wide_node *)tree->nodes;
     wide_entry stack[HT_WIDE_STACK];
+    ht_wide_node node_room;
+    ht_wide_leaf leaf_room;
     uint32_t top = 0, child = 0;
     for (;;) {
         if (counted) ++counters->traversal_steps;
         child = ht_wide_resolve(tree, child);
         if (child & HT_WIDE_LEAF) {
-            const ht_wide_leaf *leaf = &tree->leaves[child & ~HT_WIDE_LEAF];
+            const uint32_t index = child & ~HT_WIDE_LEAF;
+            const ht_wide_leaf *leaf = ht_wide_leaf_at(tree, index, &leaf_room);
             if (counted) {
                 ++counters->leaf_steps;
                 counters->intersections += ht_wide_leaf_count(leaf);
             }
             if (intersect_leaf(tree, leaf, ray, r, hit, any)) return;
         } else {
-            top = push_children(&nodes[child], r, hit->t, stack, top);
+            const ht_wide_node *node = ht_wide_node_at(tree, child, &node_room);
+            top = push_children(node, r, hit->t, stack, top);
         }
         /* Strictly beyond the best hit: at equal t a lower prim may still win. */
         do {

@@ -119,6 +119,30 @@ typedef struct ht_wide_leaf {
     ht_word prim[8];
 } ht_wide_leaf;
 
+/* ---- Compact wide tree: the same tree in less than half of the memory ------------------------ */
+
+#ifndef __OPENCL_C_VERSION__
+typedef uint8_t ht_byte;
+#else
+typedef uchar ht_byte;
+#endif
+
+/* A plane is origin + q * step, rounded outward. */
+typedef struct ht_compact_node {
+    float origin[3], step[3];
+    ht_byte lo[3][8], hi[3][8];
+    ht_word child[8];
+    ht_word unused[2];
+} ht_compact_node;
+
+/* Corner k of lane i is vertex first + corner[k][i]: neighbouring leaves share up to 256 vertices. */
+typedef struct ht_compact_leaf {
+    ht_word prim[8];
+    ht_byte corner[3][8];
+    ht_word first;
+    ht_word unused;
+} ht_compact_leaf;
+
 /* ---- On devices: what a kernel is told beside the arrays ------------------------------------ */
 
 typedef struct ht_scene {

@@ -27,6 +27,8 @@ void ht_tree_release(htree *tree) {
     ht_release(memory, tree->nodes, tree->node_bytes);
     ht_release(memory, tree->refs, tree->ref_count * sizeof *tree->refs);
     ht_release(memory, tree->leaves, tree->leaf_count * sizeof *tree->leaves);
+    ht_release(memory, tree->compact_leaves, tree->leaf_count * sizeof *tree->compact_leaves);
+    ht_release(memory, tree->vertices, 3 * sizeof(float) * (uint64_t)tree->vertex_count);
     ht_release(memory, tree->object_boxes, tree->object_count * sizeof *tree->object_boxes);
     ht_release(memory, tree->triangles, tree->triangle_count * sizeof *tree->triangles);
 }
@@ -75,6 +77,8 @@ htree_status htree_get_view(const htree *tree, htree_view *view) {
     HT_TRY(ht_sized_verify(view->size, FIRST_VIEW_SIZE, "view"));
     if (tree->lazy)
         return ht_fail(HTREE_ERROR_UNSUPPORTED, "the tree is lazy: call htree_complete first");
+    if (ht_is_compact(tree))
+        return ht_fail(HTREE_ERROR_UNSUPPORTED, "a compact tree has no arrays to show");
     const htree_view v = view_tree(tree);
     ht_sized_write(view, &v, sizeof v);
     return HTREE_OK;

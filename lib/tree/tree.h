@@ -46,6 +46,10 @@ struct htree {
     uint32_t ref_count;
     ht_wide_leaf *leaves; /* WIDE */
     uint32_t leaf_count;
+    ht_compact_leaf
+        *compact_leaves; /* WIDE, compact: instead of leaves, and nodes are compact too */
+    float *vertices;
+    uint32_t vertex_count;
     ht_lazy *lazy; /* NULL: all is built */
     ht_ug_grid grid;
     uint32_t stack; /* traversal stack entries needed at most, <= ht_stack_limit */
@@ -66,6 +70,29 @@ HT_INLINE uint32_t ht_wide_leaf_count(const ht_wide_leaf *leaf) {
 
 HT_INLINE bool ht_wide_is_pending(uint32_t child) {
     return child >= HT_WIDE_PENDING;
+}
+
+/* Nodes and leaves of a compact tree as those of any other, in memory of the caller's. */
+void ht_expand_node(const htree *tree, uint32_t slot, ht_wide_node *node);
+void ht_expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf);
+
+HT_INLINE bool ht_is_compact(const htree *tree) {
+    return tree->compact_leaves != NULL;
+}
+
+/* The node or leaf to read: in the tree, or expanded into *room. */
+HT_INLINE const ht_wide_node *ht_wide_node_at(const htree *tree, uint32_t slot,
+                                              ht_wide_node *room) {
+    if (!ht_is_compact(tree)) return (const ht_wide_node *)tree->nodes + slot;
+    ht_expand_node(tree, slot, room);
+    return room;
+}
+
+HT_INLINE const ht_wide_leaf *ht_wide_leaf_at(const htree *tree, uint32_t index,
+                                              ht_wide_leaf *room) {
+    if (!ht_is_compact(tree)) return &tree->leaves[index];
+    ht_expand_leaf(tree, index, room);
+    return room;
 }
 
 /* The child that a walk goes on with. */

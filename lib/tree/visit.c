@@ -162,9 +162,15 @@ static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *vi
         return true;
     }
     if (place->slot >= slots) {
-        return view_wide_leaf(tree, &tree->leaves[place->slot - slots], view);
+        const uint32_t index = place->slot - slots;
+        /* Any byte is the number of a vertex. */
+        if (ht_is_compact(tree) &&
+            (uint64_t)tree->compact_leaves[index].first + UINT8_MAX >= tree->vertex_count)
+            return false;
+        return view_wide_leaf(tree, ht_wide_leaf_at(tree, index, &view->room), view);
     }
-    const ht_wide_node *node = (const ht_wide_node *)tree->nodes + place->slot;
+    ht_wide_node room;
+    const ht_wide_node *node = ht_wide_node_at(tree, place->slot, &room);
     view->role = HT_SPLIT;
     for (uint32_t i = 0; i < HT_LANES; ++i) {
         const uint32_t slot = wide_slot(tree, node->child[i]);

@@ -30,6 +30,7 @@ typedef struct ht_node_view {
     const uint32_t *prims; /* of a leaf */
     uint32_t prim_count;
     const ht_wide_leaf *block; /* of a wide leaf: the triangles themselves */
+    ht_wide_leaf room;         /* for a compact one */
     uint32_t child_count;
     ht_place child[8];
 } ht_node_view;

@@ -109,6 +109,14 @@ HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ht_shear *s) {
     return lanes_in(may_hit(leaf, 0, s), may_hit(leaf, 4, s), lane_bits(0)) & 255;
 }
 
+HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node) {
+    ht_expand_node(tree, slot, node);
+}
+
+HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf) {
+    ht_expand_leaf(tree, index, leaf);
+}
+
 HT_DEFINE_BLOCK_WALKS(ht_wide_neon_walks);
 #else
 typedef int ht_no_neon; /* a file is not empty */

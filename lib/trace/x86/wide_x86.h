@@ -45,6 +45,56 @@ HT_TARGET HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bo
     s->top += (uint32_t)_mm_popcnt_u32(mask);
 }
 
+/* ---- Compact trees -------------------------------------------------------------------------- */
+
+HT_TARGET HT_INLINE __m256i words_of_bytes(const ht_byte bytes[8]) {
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)bytes));
+}
+
+HT_TARGET HT_INLINE __m256 planes_of(const ht_compact_node *node, uint32_t axis,
+                                     const ht_byte bytes[8]) {
+    const __m256 steps = _mm256_mul_ps(_mm256_cvtepi32_ps(words_of_bytes(bytes)),
+                                       _mm256_broadcast_ss(&node->step[axis]));
+    return _mm256_add_ps(_mm256_broadcast_ss(&node->origin[axis]), steps);
+}
+
+HT_TARGET HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node) {
+    const ht_compact_node *from = (const ht_compact_node *)tree->nodes + slot;
+    const __m256i child = _mm256_loadu_si256((const __m256i *)(const void *)from->child);
+    const __m256 idle = _mm256_castsi256_ps(_mm256_cmpeq_epi32(child, _mm256_set1_epi32(-1)));
+    const __m256 lo = _mm256_set1_ps(INFINITY), hi = _mm256_set1_ps(-INFINITY);
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        const __m256 from_lo = planes_of(from, axis, from->lo[axis]);
+        const __m256 from_hi = planes_of(from, axis, from->hi[axis]);
+        _mm256_store_ps(node->lo[axis], _mm256_blendv_ps(from_lo, lo, idle));
+        _mm256_store_ps(node->hi[axis], _mm256_blendv_ps(from_hi, hi, idle));
+    }
+    _mm256_store_si256((__m256i *)(void *)node->child, child);
+}
+
+/* Gathers coordinates by numbers of 32 bits, so it is not for the largest trees. */
+HT_TARGET HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf) {
+    const ht_compact_leaf *from = &tree->compact_leaves[index];
+    if (HT_UNLIKELY(tree->vertex_count > INT32_MAX / 3)) {
+        ht_expand_leaf(tree, index, leaf);
+        return;
+    }
+    const __m256i prim = _mm256_loadu_si256((const __m256i *)(const void *)from->prim);
+    const __m256i most = _mm256_set1_epi32((int)tree->triangle_count - 1);
+    const __m256 triangles =
+        _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(prim, most), prim));
+    const __m256i first = _mm256_set1_epi32((int)from->first);
+    for (uint32_t k = 0; k < 3; ++k) {
+        const __m256i vertex = _mm256_add_epi32(first, words_of_bytes(from->corner[k]));
+        const __m256i at = _mm256_add_epi32(vertex, _mm256_add_epi32(vertex, vertex));
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            const __m256 all = _mm256_i32gather_ps(tree->vertices + axis, at, 4);
+            _mm256_store_ps(leaf->v[k][axis], _mm256_and_ps(all, triangles));
+        }
+    }
+    _mm256_store_si256((__m256i *)(void *)leaf->prim, prim);
+}
+
 /* ---- Triangles ------------------------------------------------------------------------------ */
 
 typedef struct corner_lanes {
