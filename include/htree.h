@@ -190,8 +190,9 @@ enum {
     HTREE_MORTON = 8, /* WIDE: Morton order below the grid: faster to build, slower to trace */
     HTREE_LAZY = 16,  /* WIDE: only the top is built, the rest by the first ray that gets there; the
                          mesh's arrays must stay as they are until htree_complete or htree_free */
-    HTREE_COMPACT = 32 /* WIDE: less than half of the memory, slower to build and to trace; not with
-                          HTREE_LAZY */
+    HTREE_COMPACT = 32, /* WIDE: less than half of the memory, slower to build and to trace; not with
+                           HTREE_LAZY */
+    HTREE_COLLAPSE = 64 /* BVH, SKD, H, AH: collapses the finished tree into one of kind WIDE */
 };
 
 /* How to build. htree_options_init writes every default; change what you need after it. */

@@ -190,9 +190,8 @@ static void build_refuses_bad_numbers_in_options(void **state) {
         bad.kind = kinds[i];
         assert_not_built(&mesh, &bad, HTREE_ERROR_ARGUMENT);
     }
-    const uint32_t known =
-        HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES | HTREE_MORTON | HTREE_LAZY |
-        HTREE_COMPACT;
+    const uint32_t known = HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES | HTREE_MORTON |
+                           HTREE_LAZY | HTREE_COMPACT | HTREE_COLLAPSE;
     for (uint32_t bit = 0; bit < 32; ++bit) {
         htree_options bad = good;
         if ((known >> bit & 1) != 0) continue;

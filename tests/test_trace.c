@@ -228,7 +228,9 @@ static void with_all_options(const htree_mesh *mesh, htree_kind kind, const htre
                                      HTREE_STRICT,
                                      HTREE_MORTON,
                                      HTREE_LAZY,
-                                     HTREE_COMPACT};
+                                     HTREE_COMPACT,
+                                     HTREE_COLLAPSE,
+                                     HTREE_COLLAPSE | HTREE_COMPACT};
     static const float cells[] = {1, 64, 1.0f / 64, 7};
     static const float costs[][4] = {{1, 1, 1, 1},     {1, 100, 100, 1},    {100, 1, 100, 1},
                                      {100, 100, 1, 1}, {1e-6f, 1, 1, 1e6f}, {1, 2, 3, 1e-3f}};

@@ -1,8 +1,10 @@
 /* build.c: htree_build: options and mesh in, the kind's builder called, a finished tree out. */
 #include "build.h"
+#include "collapse.h"
 #include "mesh.h"
 #include "options.h"
 #include "refit.h"
+#include "wide.h"
 #include "base/clock.h"
 
 /* The kinds that can be built. Adding one: a builder file, a row here, a row in trace/trace.c and
@@ -71,6 +73,12 @@ ht_prim *ht_builder_spare(ht_builder *builder) {
     return builder->spare;
 }
 
+/* UG and KD divide space: their leaves share prims, which wide trees do not. */
+static bool is_collapsed(const htree *tree, const htree_options *options) {
+    return (options->flags & HTREE_COLLAPSE) != 0 && tree->prim_count > 0 &&
+           tree->kind != HTREE_UG && tree->kind != HTREE_KD && tree->kind != HTREE_WIDE;
+}
+
 static htree_status load_and_build(ht_builder *builder, ht_build *build) {
     HT_TRY(ht_load_mesh(builder));
     if (builder->tree->prim_count == 0) return HTREE_OK;
@@ -90,6 +98,11 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
     if (status == HTREE_OK) {
         status = builders[row].loads ? builders[row].build(&builder)
                                      : load_and_build(&builder, builders[row].build);
+    }
+    if (status == HTREE_OK && is_collapsed(tree, options)) {
+        status = ht_collapse(&builder);
+        if (status == HTREE_OK && options->flags & HTREE_COMPACT)
+            status = ht_wide_compact(&builder);
     }
     ht_release(&tree->memory, builder.spare, tree->prim_count * sizeof(ht_prim));
     ht_release(&tree->memory, builder.prims, prims * sizeof(ht_prim));

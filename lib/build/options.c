@@ -21,7 +21,8 @@ static const struct {
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 
 static const uint32_t KNOWN_FLAGS = HTREE_STRICT | HTREE_ANY_PLANES | HTREE_LOOSE_PLANES |
-                                    HTREE_MORTON | HTREE_LAZY | HTREE_COMPACT;
+                                    HTREE_MORTON | HTREE_LAZY | HTREE_COMPACT |
+                                    HTREE_COLLAPSE;
 
 /* The struct as version 0.1 knew it. */
 enum { FIRST_OPTIONS_SIZE = sizeof(htree_options) };

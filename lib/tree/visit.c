@@ -153,7 +153,8 @@ static uint32_t wide_slot(const htree *tree, uint32_t child) {
     return child < tree->node_slots ? child : HTREE_NONE;
 }
 
-static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *view) {
+static bool view_wide(const htree *tree, const ht_place *place, ht_wide_leaf *leaf_room,
+                      ht_node_view *view) {
     const uint32_t slots = tree->node_slots;
     view->slots = 1;
     if (place->slot >= slots + tree->leaf_count) {
@@ -167,7 +168,7 @@ static bool view_wide(const htree *tree, const ht_place *place, ht_node_view *vi
         if (ht_is_compact(tree) &&
             (uint64_t)tree->compact_leaves[index].first + UINT8_MAX >= tree->vertex_count)
             return false;
-        return view_wide_leaf(tree, ht_wide_leaf_at(tree, index, &view->room), view);
+        return view_wide_leaf(tree, ht_wide_leaf_at(tree, index, leaf_room), view);
     }
     ht_wide_node room;
     const ht_wide_node *node = ht_wide_node_at(tree, place->slot, &room);
@@ -194,7 +195,8 @@ uint64_t ht_slot_count(const htree *tree) {
     return (uint64_t)tree->node_slots + tree->leaf_count + subtrees;
 }
 
-bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) {
+bool ht_view_node(const htree *tree, const ht_place *place, ht_wide_leaf *room,
+                  ht_node_view *view) {
     if (place->slot >= ht_slot_count(tree)) return false;
     memset(view, 0, sizeof *view);
     switch (tree->kind) {
@@ -204,7 +206,7 @@ bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view) 
     case HTREE_SKD:
     case HTREE_H:
     case HTREE_AH: return view_h(tree, place, view);
-    case HTREE_WIDE: return view_wide(tree, place, view);
+    case HTREE_WIDE: return view_wide(tree, place, room, view);
     default: return false;
     }
 }
@@ -223,12 +225,12 @@ ht_place ht_root_place(const htree *tree) {
 
 /* Depth first by recursion, which the check of `branches` bounds: chains of bounding and link nodes
  * are followed in the loop. */
-static htree_status visit_below(const htree *tree, const ht_place *top, uint64_t *budget,
-                                ht_see_node *see, void *data) {
+static htree_status visit_below(const htree *tree, const ht_place *top, ht_wide_leaf *room,
+                                uint64_t *budget, ht_see_node *see, void *data) {
     ht_place place = *top;
     for (;;) {
         ht_node_view view;
-        if (!ht_view_node(tree, &place, &view)) {
+        if (!ht_view_node(tree, &place, room, &view)) {
             return ht_fail(HTREE_ERROR_CORRUPT, "slot %lu holds no node",
                            (unsigned long)place.slot);
         }
@@ -240,7 +242,7 @@ static htree_status visit_below(const htree *tree, const ht_place *top, uint64_t
         HT_TRY(see(data, &place, &view));
         if (view.child_count == 0) return HTREE_OK;
         for (uint32_t i = 1; i < view.child_count; ++i) {
-            HT_TRY(visit_below(tree, &view.child[i], budget, see, data));
+            HT_TRY(visit_below(tree, &view.child[i], room, budget, see, data));
         }
         place = view.child[0];
     }
@@ -278,5 +280,6 @@ htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data) {
     if (tree->kind == HTREE_UG) return visit_cells(tree, see, data);
     const ht_place root = ht_root_place(tree);
     uint64_t budget = ht_slot_count(tree);
-    return visit_below(tree, &root, &budget, see, data);
+    ht_wide_leaf room;
+    return visit_below(tree, &root, &room, &budget, see, data);
 }

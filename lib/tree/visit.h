@@ -30,7 +30,6 @@ typedef struct ht_node_view {
     const uint32_t *prims; /* of a leaf */
     uint32_t prim_count;
     const ht_wide_leaf *block; /* of a wide leaf: the triangles themselves */
-    ht_wide_leaf room;         /* for a compact one */
     uint32_t child_count;
     ht_place child[8];
 } ht_node_view;
@@ -44,8 +43,8 @@ uint64_t ht_slot_count(const htree *tree);
 ht_place ht_root_place(const htree *tree);
 
 /* Views the node at *place; false if it is no node of the tree's kind or reaches outside its slots.
- */
-bool ht_view_node(const htree *tree, const ht_place *place, ht_node_view *view);
+ * Leaves of a compact tree are expanded into *room, which only those need. */
+bool ht_view_node(const htree *tree, const ht_place *place, ht_wide_leaf *room, ht_node_view *view);
 
 /* Calls see(data, place, view) for every node, parents first, until it fails. CORRUPT if a node
  * cannot be viewed or the nodes are no tree. */
