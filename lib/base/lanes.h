@@ -1,5 +1,5 @@
-/* lanes.h: four floats at once, for builders: SSE2 and NEON, which every x86-64 and AArch64 has, and
- * plain C elsewhere. The bits are the same: each lane does what vec.h does. */
+/* lanes.h: four floats at once, for builders and for rays made ready: SSE2 and NEON, which every
+ * x86-64 and AArch64 has, and plain C elsewhere. The bits are the same: each lane does what vec.h does. */
 #ifndef HT_LANES4_H
 #define HT_LANES4_H
 
@@ -33,6 +33,10 @@ HT_INLINE ht_f4 ht_f4_mul(ht_f4 a, ht_f4 b) {
     return _mm_mul_ps(a, b);
 }
 
+HT_INLINE ht_f4 ht_f4_div(ht_f4 a, ht_f4 b) {
+    return _mm_div_ps(a, b);
+}
+
 HT_INLINE ht_f4 ht_f4_min(ht_f4 a, ht_f4 b) {
     return _mm_min_ps(b, a);
 }
@@ -46,9 +50,25 @@ HT_INLINE ht_f4 ht_f4_rotate(ht_f4 a) {
     return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 0, 2, 1));
 }
 
+/* x y z x */
+HT_INLINE ht_f4 ht_f4_three(ht_f4 a) {
+    return _mm_shuffle_ps(a, a, _MM_SHUFFLE(0, 2, 1, 0));
+}
+
 /* A bit for every lane where a > b. */
 HT_INLINE uint32_t ht_f4_above(ht_f4 a, ht_f4 b) {
     return (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(a, b));
+}
+
+/* A bit for every lane where a <= b. */
+HT_INLINE uint32_t ht_f4_at_most(ht_f4 a, ht_f4 b) {
+    return (uint32_t)_mm_movemask_ps(_mm_cmple_ps(a, b));
+}
+
+/* In each lane: sign < 0 ? a : b. */
+HT_INLINE ht_f4 ht_f4_by_sign(ht_f4 sign, ht_f4 a, ht_f4 b) {
+    const __m128 below = _mm_cmplt_ps(sign, _mm_setzero_ps());
+    return _mm_or_ps(_mm_and_ps(below, a), _mm_andnot_ps(below, b));
 }
 
 /* Towards zero; of numbers that fit. */
@@ -90,6 +110,10 @@ HT_INLINE ht_f4 ht_f4_mul(ht_f4 a, ht_f4 b) {
     return vmulq_f32(a, b);
 }
 
+HT_INLINE ht_f4 ht_f4_div(ht_f4 a, ht_f4 b) {
+    return vdivq_f32(a, b);
+}
+
 /* Not vminq and vmaxq: they order -0 below 0. */
 HT_INLINE ht_f4 ht_f4_min(ht_f4 a, ht_f4 b) {
     return vbslq_f32(vcltq_f32(b, a), b, a);
@@ -105,9 +129,22 @@ HT_INLINE ht_f4 ht_f4_rotate(ht_f4 a) {
     return vld1q_f32(lanes);
 }
 
+HT_INLINE ht_f4 ht_f4_three(ht_f4 a) {
+    return vsetq_lane_f32(vgetq_lane_f32(a, 0), a, 3);
+}
+
 HT_INLINE uint32_t ht_f4_above(ht_f4 a, ht_f4 b) {
     const uint32_t bits[4] = {1, 2, 4, 8};
     return vaddvq_u32(vandq_u32(vcgtq_f32(a, b), vld1q_u32(bits)));
+}
+
+HT_INLINE uint32_t ht_f4_at_most(ht_f4 a, ht_f4 b) {
+    const uint32_t bits[4] = {1, 2, 4, 8};
+    return vaddvq_u32(vandq_u32(vcleq_f32(a, b), vld1q_u32(bits)));
+}
+
+HT_INLINE ht_f4 ht_f4_by_sign(ht_f4 sign, ht_f4 a, ht_f4 b) {
+    return vbslq_f32(vcltzq_f32(sign), a, b);
 }
 
 HT_INLINE void ht_f4_store_int(int32_t *to, ht_f4 a) {
@@ -158,6 +195,11 @@ HT_INLINE ht_f4 ht_f4_mul(ht_f4 a, ht_f4 b) {
     return a;
 }
 
+HT_INLINE ht_f4 ht_f4_div(ht_f4 a, ht_f4 b) {
+    for (int k = 0; k < 4; ++k) a.v[k] /= b.v[k];
+    return a;
+}
+
 HT_INLINE ht_f4 ht_f4_min(ht_f4 a, ht_f4 b) {
     for (int k = 0; k < 4; ++k) a.v[k] = ht_min(a.v[k], b.v[k]);
     return a;
@@ -172,10 +214,25 @@ HT_INLINE ht_f4 ht_f4_rotate(ht_f4 a) {
     return ht_f4_set(a.v[1], a.v[2], a.v[0], a.v[3]);
 }
 
+HT_INLINE ht_f4 ht_f4_three(ht_f4 a) {
+    return ht_f4_set(a.v[0], a.v[1], a.v[2], a.v[0]);
+}
+
 HT_INLINE uint32_t ht_f4_above(ht_f4 a, ht_f4 b) {
     uint32_t mask = 0;
     for (int k = 0; k < 4; ++k) mask |= (uint32_t)(a.v[k] > b.v[k]) << k;
     return mask;
+}
+
+HT_INLINE uint32_t ht_f4_at_most(ht_f4 a, ht_f4 b) {
+    uint32_t mask = 0;
+    for (int k = 0; k < 4; ++k) mask |= (uint32_t)(a.v[k] <= b.v[k]) << k;
+    return mask;
+}
+
+HT_INLINE ht_f4 ht_f4_by_sign(ht_f4 sign, ht_f4 a, ht_f4 b) {
+    for (int k = 0; k < 4; ++k) a.v[k] = sign.v[k] < 0 ? a.v[k] : b.v[k];
+    return a;
 }
 
 HT_INLINE void ht_f4_store_int(int32_t *to, ht_f4 a) {
@@ -199,6 +256,23 @@ HT_INLINE ht_f4 ht_f4_all(float x) {
 
 HT_INLINE ht_f4 ht_f4_magnitude(ht_f4 a) {
     return ht_f4_max(a, ht_f4_sub(ht_f4_all(0), a));
+}
+
+/* The largest of the first three lanes, in each of them. */
+HT_INLINE ht_f4 ht_f4_largest(ht_f4 a) {
+    const ht_f4 next = ht_f4_rotate(a);
+    return ht_f4_max(a, ht_f4_max(next, ht_f4_rotate(next)));
+}
+
+HT_INLINE ht_f4 ht_f4_least(ht_f4 a) {
+    const ht_f4 next = ht_f4_rotate(a);
+    return ht_f4_min(a, ht_f4_min(next, ht_f4_rotate(next)));
+}
+
+HT_INLINE float ht_f4_first(ht_f4 a) {
+    float lanes[4];
+    ht_f4_store(lanes, a);
+    return lanes[0];
 }
 
 /* ---- Boxes; the last lane means nothing ----------------------------------------------------- */

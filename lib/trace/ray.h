@@ -29,9 +29,9 @@
 #define HT_RAY_TINY  9.094947017729282e-13f /* 2^-40 */
 
 typedef struct ht_ray {
-    float rdir[3];
-    float entry[3]; /* org moved forward: where entry planes are measured from */
-    float exit[3];  /* org moved back: where exit planes are measured from */
+    float rdir[4];  /* the fourth repeats the first */
+    float entry[4]; /* org moved forward: where entry planes are measured from */
+    float exit[4];  /* org moved back: where exit planes are measured from */
     uint32_t negative[3];
     float reach;       /* D: the largest distance along an axis from org to the bounds */
     float tmin;        /* the caller's: where hits begin to count */
@@ -65,34 +65,31 @@ HT_INLINE void ht_ray_clip_box(const ht_ray *r, const float *lo, const float *hi
 /* Returns false if the ray misses by its numbers alone, or misses the bounds, which must not be
  * empty. */
 HT_INLINE bool ht_ray_init(ht_ray *r, const htree_ray *ray, const htree_box *bounds) {
+    const ht_f4 org = ht_ray_org(ray), dir = ht_ray_dir(ray), zero = ht_f4_all(0);
     if (!ht_shear_init(&r->shear, ray)) return false;
-    float reach = 0;
-    for (int i = 0; i < 3; ++i) {
-        reach = ht_max(reach, ht_magnitude(bounds->lo[i] - ray->org[i]));
-        reach = ht_max(reach, ht_magnitude(bounds->hi[i] - ray->org[i]));
-    }
-    const float tiny = HT_RAY_TINY * ht_magnitude(ray->dir[r->shear.kz]);
-    for (int i = 0; i < 3; ++i) {
-        const float pad =
-            ht_max(HT_RAY_PAD * reach + HT_RAY_ROUND * ht_magnitude(ray->org[i]), FLT_MIN);
-        const float size = ht_max(tiny, ht_magnitude(ray->dir[i]));
-        /* By numbers: signs are as good as random, and branches would be too. */
-        const uint32_t negative = ray->dir[i] < 0;
-        const float sign = 1 - 2 * (float)negative;
-        r->negative[i] = negative;
-        r->rdir[i] = 1 / (sign * size);
-        r->entry[i] = ray->org[i] + sign * pad;
-        r->exit[i] = ray->org[i] - sign * pad;
-    }
-    r->reach = reach;
+    const ht_f4 lo = ht_f4_set(bounds->lo[0], bounds->lo[1], bounds->lo[2], bounds->lo[0]);
+    const ht_f4 hi = ht_f4_set(bounds->hi[0], bounds->hi[1], bounds->hi[2], bounds->hi[0]);
+    const ht_f4 size = ht_f4_magnitude(dir), distance = ht_f4_magnitude(org);
+    const ht_f4 reach = ht_f4_largest(
+        ht_f4_max(ht_f4_magnitude(ht_f4_sub(lo, org)), ht_f4_magnitude(ht_f4_sub(hi, org))));
+    const ht_f4 pad = ht_f4_max(ht_f4_add(ht_f4_mul(ht_f4_all(HT_RAY_PAD), reach),
+                                          ht_f4_mul(ht_f4_all(HT_RAY_ROUND), distance)),
+                                ht_f4_all(FLT_MIN));
+    const ht_f4 run = ht_f4_max(ht_f4_mul(ht_f4_all(HT_RAY_TINY), ht_f4_largest(size)), size);
+    const ht_f4 forward = ht_f4_by_sign(dir, ht_f4_sub(zero, pad), pad);
+    const ht_f4 rdir = ht_f4_div(ht_f4_all(1), ht_f4_by_sign(dir, ht_f4_sub(zero, run), run));
+    const ht_f4 entry = ht_f4_add(org, forward), exit = ht_f4_sub(org, forward);
+    const ht_f4 enter = ht_f4_mul(ht_f4_sub(ht_f4_by_sign(dir, hi, lo), entry), rdir);
+    const ht_f4 leave = ht_f4_mul(ht_f4_sub(ht_f4_by_sign(dir, lo, hi), exit), rdir);
+    const uint32_t negative = ht_f4_above(zero, dir);
+    for (uint32_t i = 0; i < 3; ++i) r->negative[i] = negative >> i & 1;
+    ht_f4_store(r->rdir, rdir);
+    ht_f4_store(r->entry, entry);
+    ht_f4_store(r->exit, exit);
+    r->reach = ht_f4_first(reach);
     r->tmin = ray->tmin;
-    r->tnear = ray->tmin;
-    r->tfar = ray->tmax;
-    for (uint32_t i = 0; i < 3; ++i) {
-        const float planes[2] = {bounds->lo[i], bounds->hi[i]};
-        r->tnear = ht_max(r->tnear, ht_ray_entry(r, i, planes[r->negative[i]]));
-        r->tfar = ht_min(r->tfar, ht_ray_exit(r, i, planes[1 - r->negative[i]]));
-    }
+    r->tnear = ht_max(ray->tmin, ht_f4_first(ht_f4_largest(enter)));
+    r->tfar = ht_min(ray->tmax, ht_f4_first(ht_f4_least(leave)));
     return r->tnear <= r->tfar;
 }
 

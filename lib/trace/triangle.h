@@ -18,7 +18,7 @@
 #ifndef HT_TRIANGLE_H
 #define HT_TRIANGLE_H
 
-#include "base/vec.h"
+#include "base/lanes.h"
 
 /* What the triangle test needs of a ray. */
 typedef struct ht_shear {
@@ -28,23 +28,32 @@ typedef struct ht_shear {
     uint32_t kx, ky, kz; /* kz: the axis of the largest component of dir */
 } ht_shear;
 
+/* Three numbers out of a ray, the first once more in the fourth lane. */
+HT_INLINE ht_f4 ht_ray_org(const htree_ray *ray) {
+    return ht_f4_three(ht_f4_load((const float *)ray));
+}
+
+HT_INLINE ht_f4 ht_ray_dir(const htree_ray *ray) {
+    return ht_f4_three(ht_f4_load((const float *)ray + 4));
+}
+
 /* Returns false for the rays that htree.h declares a miss; NaN fails every comparison. */
 HT_INLINE bool ht_shear_init(ht_shear *s, const htree_ray *ray) {
-    const float limit = HTREE_COORDINATE_MAX;
-    const float x = ht_magnitude(ray->dir[0]);
-    const float y = ht_magnitude(ray->dir[1]);
-    const float z = ht_magnitude(ray->dir[2]);
-    const bool valid = ht_magnitude(ray->org[0]) <= limit && ht_magnitude(ray->org[1]) <= limit &&
-                       ht_magnitude(ray->org[2]) <= limit && x <= limit && y <= limit &&
-                       z <= limit && (x >= 1 / limit || y >= 1 / limit || z >= 1 / limit) &&
-                       ray->tmin <= ray->tmax;
+    /* By numbers: which axis is the largest is as good as random, and branches would be too. Bits of
+     * the row: y exceeds x, z exceeds y, z exceeds x. */
+    static const uint8_t axes[8][3] = {{1, 2, 0}, {2, 0, 1}, {1, 2, 0}, {2, 0, 1},
+                                       {1, 2, 0}, {2, 0, 1}, {0, 1, 2}, {0, 1, 2}};
+    const ht_f4 limit = ht_f4_all(HTREE_COORDINATE_MAX),
+                least = ht_f4_all(1 / HTREE_COORDINATE_MAX);
+    const ht_f4 org = ht_f4_magnitude(ht_ray_org(ray)), dir = ht_f4_magnitude(ht_ray_dir(ray));
+    const uint32_t within = ht_f4_at_most(org, limit) & ht_f4_at_most(dir, limit);
+    const bool valid = within == 15 && ht_f4_at_most(least, dir) && ray->tmin <= ray->tmax;
     if (HT_UNLIKELY(!valid)) return false;
-    /* By numbers: which axis is the largest is as good as random, and branches would be too. */
-    static const uint8_t next[3] = {1, 2, 0};
-    const uint32_t y_over_x = y > x, z_over_both = (z > x) & (z > y);
-    s->kz = y_over_x + (2 - y_over_x) * z_over_both;
-    s->kx = next[s->kz];
-    s->ky = next[s->kx];
+    const ht_f4 next = ht_f4_rotate(dir);
+    const uint8_t *const k = axes[(ht_f4_above(next, dir) & 3) | (ht_f4_above(dir, next) & 4)];
+    s->kx = k[0];
+    s->ky = k[1];
+    s->kz = k[2];
     s->sx = ray->dir[s->kx] / ray->dir[s->kz];
     s->sy = ray->dir[s->ky] / ray->dir[s->kz];
     s->dz = (double)ray->dir[s->kz];
