@@ -25,23 +25,22 @@ HT_INLINE uint32_t lanes_in(uint32x4_t low, uint32x4_t high, uint16x8_t bits) {
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
 
-HT_INLINE void clip_axis(const float *planes, const ht_ray *r, int axis, float32x4_t *enter,
+HT_INLINE void clip_axis(const float *planes, const stream *s, int axis, float32x4_t *enter,
                          float32x4_t *leave) {
-    const uint32_t negative = r->negative[axis];
-    const float32x4_t near = vld1q_f32(planes + 8 * axis + 24 * negative);
-    const float32x4_t far = vld1q_f32(planes + 8 * axis + 24 * (1 - negative));
-    const float32x4_t from = vdupq_n_f32(r->entry[axis]), to = vdupq_n_f32(r->exit[axis]);
-    *enter = vmaxnmq_f32(vmulq_n_f32(vsubq_f32(near, from), r->rdir[axis]), *enter);
-    *leave = vminnmq_f32(vmulq_n_f32(vsubq_f32(far, to), r->rdir[axis]), *leave);
+    const float32x4_t near = vld1q_f32(planes + s->near[axis]);
+    const float32x4_t far = vld1q_f32(planes + s->far[axis]);
+    const float32x4_t from = vdupq_n_f32(s->r.entry[axis]), to = vdupq_n_f32(s->r.exit[axis]);
+    *enter = vmaxnmq_f32(vmulq_n_f32(vsubq_f32(near, from), s->r.rdir[axis]), *enter);
+    *leave = vminnmq_f32(vmulq_n_f32(vsubq_f32(far, to), s->r.rdir[axis]), *leave);
 }
 
 /* All ones where the ray meets the box of a lane, of four. */
 HT_INLINE uint32x4_t clip_half(const float *planes, const stream *s, float32x4_t *enter) {
     float32x4_t leave = vdupq_n_f32(s->hit.t);
     *enter = vdupq_n_f32(s->r.tnear);
-    clip_axis(planes, &s->r, 0, enter, &leave);
-    clip_axis(planes, &s->r, 1, enter, &leave);
-    clip_axis(planes, &s->r, 2, enter, &leave);
+    clip_axis(planes, s, 0, enter, &leave);
+    clip_axis(planes, s, 1, enter, &leave);
+    clip_axis(planes, s, 2, enter, &leave);
     return vcleq_f32(*enter, leave);
 }
 
@@ -57,10 +56,10 @@ HT_INLINE void store_words(void *to, uint8x16x2_t words, uint16x8_t from) {
     vst1q_u8((uint8_t *)to + 16, vqtbl2q_u8(words, bytes_of(vget_high_u16(from))));
 }
 
-HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bool any) {
+HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t *child,
+                             float *tnear, const bool any) {
     const float *planes = &node->lo[0][0];
     const uint32_t flip = any ? 0 : s->order ^ 7; /* what is met first comes last, on top */
-    const uint32_t top = s->top;
     float32x4_t enter[2];
     const uint32x4_t low = clip_half(planes, s, &enter[0]);
     const uint32x4_t high = clip_half(planes + 4, s, &enter[1]);
@@ -68,9 +67,9 @@ HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bool any) {
     const uint8x8_t places = vcreate_u8(ht_to_front[met & 255]);
     const uint16x8_t from = vmovl_u8(veor_u8(places, vdup_n_u8((uint8_t)flip)));
     const uint8x16x2_t near = {{vreinterpretq_u8_f32(enter[0]), vreinterpretq_u8_f32(enter[1])}};
-    if (!any) store_words(s->tnear + top, near, from);
-    store_words(s->child + top, vld1q_u8_x2((const uint8_t *)node->child), from);
-    s->top = top + (met >> 8);
+    if (!any) store_words(tnear, near, from);
+    store_words(child, vld1q_u8_x2((const uint8_t *)node->child), from);
+    return met >> 8;
 }
 
 /* ---- Triangles ------------------------------------------------------------------------------ */
@@ -115,6 +114,21 @@ HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node)
 
 HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf) {
     ht_expand_leaf(tree, index, leaf);
+}
+
+/* ---- Rays ----------------------------------------------------------------------------------- */
+
+HT_INLINE uint32_t sort_out(const uint32_t next[STREAMS], uint32_t *ended) {
+    const uint16x8_t bits = lane_bits(0);
+    uint32_t elsewhere = 0;
+    *ended = 0;
+    for (uint32_t i = 0; i < STREAMS; i += HT_LANES) {
+        const uint32x4_t none = vdupq_n_u32(HT_WIDE_NONE), leaf = vdupq_n_u32(HT_WIDE_LEAF);
+        const uint32x4_t low = vld1q_u32(next + i), high = vld1q_u32(next + i + 4);
+        elsewhere |= (lanes_in(vcgeq_u32(low, leaf), vcgeq_u32(high, leaf), bits) & 255) << i;
+        *ended |= (lanes_in(vceqq_u32(low, none), vceqq_u32(high, none), bits) & 255) << i;
+    }
+    return elsewhere;
 }
 
 HT_DEFINE_BLOCK_WALKS(ht_wide_neon_walks);

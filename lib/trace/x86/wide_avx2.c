@@ -7,16 +7,13 @@
 #include "trace/to_front.h"
 #include "trace/x86/wide_x86.h"
 
-HT_TARGET HT_INLINE __m256i lanes_of(uint32_t mask) {
-    return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)ht_to_front[mask]));
-}
-
-HT_TARGET HT_INLINE __m256 compress(__m256 from, uint32_t mask) {
-    return _mm256_permutevar8x32_ps(from, lanes_of(mask));
-}
-
-HT_TARGET HT_INLINE __m256i compress_words(__m256i from, uint32_t mask) {
-    return _mm256_permutevar8x32_epi32(from, lanes_of(mask));
+HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words, uint32_t *child,
+                                       float *tnear) {
+    const uint32_t met = (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ));
+    const __m256i from = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)ht_to_front[met]));
+    if (tnear) _mm256_storeu_ps(tnear, _mm256_permutevar8x32_ps(enter, from));
+    _mm256_storeu_si256((__m256i *)(void *)child, _mm256_permutevar8x32_epi32(words, from));
+    return (uint32_t)_mm_popcnt_u32(met);
 }
 
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx2_walks);

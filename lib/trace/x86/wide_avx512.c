@@ -5,12 +5,12 @@
 #define HT_TARGET __attribute__((target("avx2,popcnt,bmi,avx512f,avx512vl,avx512dq")))
 #include "trace/x86/wide_x86.h"
 
-HT_TARGET HT_INLINE __m256 compress(__m256 from, uint32_t mask) {
-    return _mm256_maskz_compress_ps((__mmask8)mask, from);
-}
-
-HT_TARGET HT_INLINE __m256i compress_words(__m256i from, uint32_t mask) {
-    return _mm256_maskz_compress_epi32((__mmask8)mask, from);
+HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words, uint32_t *child,
+                                       float *tnear) {
+    const __mmask8 met = _mm256_cmp_ps_mask(enter, leave, _CMP_LE_OQ);
+    if (tnear) _mm256_storeu_ps(tnear, _mm256_maskz_compress_ps(met, enter));
+    _mm256_storeu_si256((__m256i *)(void *)child, _mm256_maskz_compress_epi32(met, words));
+    return (uint32_t)_mm_popcnt_u32(_cvtmask8_u32(met));
 }
 
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx512_walks);

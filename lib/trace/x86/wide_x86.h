@@ -1,5 +1,5 @@
 /* wide_x86.h: boxes and triangles of a wide tree by 256-bit vectors: included by one file per
- * instruction set, which defines HT_TARGET and compress(). trace/streams.h does the rest. */
+ * instruction set, which defines HT_TARGET and store_met(). trace/streams.h does the rest. */
 #ifndef HT_WIDE_X86_H
 #define HT_WIDE_X86_H
 
@@ -7,42 +7,39 @@
 
 #include <immintrin.h>
 
-/* Move the lanes of the mask to the front. */
-HT_TARGET HT_INLINE __m256 compress(__m256 from, uint32_t mask);
-HT_TARGET HT_INLINE __m256i compress_words(__m256i from, uint32_t mask);
+/* Moves the lanes where enter <= leave to the front of child, and with tnear, of that; returns how
+ * many. */
+HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words, uint32_t *child,
+                                       float *tnear);
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
 
-HT_TARGET HT_INLINE void clip_axis(const float *planes, const ht_ray *r, int axis, __m256 *enter,
+HT_TARGET HT_INLINE void clip_axis(const float *planes, const stream *s, int axis, __m256 *enter,
                                    __m256 *leave) {
-    const uint32_t negative = r->negative[axis];
-    const __m256 near = _mm256_load_ps(planes + 8 * axis + 24 * negative);
-    const __m256 far = _mm256_load_ps(planes + 8 * axis + 24 * (1 - negative));
-    const __m256 rdir = _mm256_broadcast_ss(&r->rdir[axis]);
-    const __m256 from = _mm256_broadcast_ss(&r->entry[axis]);
-    const __m256 to = _mm256_broadcast_ss(&r->exit[axis]);
+    const __m256 near = _mm256_load_ps(planes + s->near[axis]);
+    const __m256 far = _mm256_load_ps(planes + s->far[axis]);
+    const __m256 rdir = _mm256_broadcast_ss(&s->r.rdir[axis]);
+    const __m256 from = _mm256_broadcast_ss(&s->r.entry[axis]);
+    const __m256 to = _mm256_broadcast_ss(&s->r.exit[axis]);
     *enter = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(near, from), rdir), *enter);
     *leave = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(far, to), rdir), *leave);
 }
 
-HT_TARGET HT_INLINE void step_node(const ht_wide_node *node, stream *s, const bool any) {
+HT_TARGET HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t *child,
+                                       float *tnear, const bool any) {
     const float *planes = &node->lo[0][0];
     __m256 enter = _mm256_broadcast_ss(&s->r.tnear), leave = _mm256_broadcast_ss(&s->hit.t);
-    clip_axis(planes, &s->r, 0, &enter, &leave);
-    clip_axis(planes, &s->r, 1, &enter, &leave);
-    clip_axis(planes, &s->r, 2, &enter, &leave);
-    __m256i child = _mm256_load_si256((const __m256i *)(const void *)node->child);
-    if (!any) {
-        const __m256i last = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
-        const __m256i order = _mm256_xor_si256(last, _mm256_set1_epi32((int)s->order));
-        enter = _mm256_permutevar8x32_ps(enter, order);
-        leave = _mm256_permutevar8x32_ps(leave, order);
-        child = _mm256_permutevar8x32_epi32(child, order);
-    }
-    const uint32_t mask = (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ));
-    if (!any) _mm256_storeu_ps(s->tnear + s->top, compress(enter, mask));
-    _mm256_storeu_si256((__m256i *)(void *)(s->child + s->top), compress_words(child, mask));
-    s->top += (uint32_t)_mm_popcnt_u32(mask);
+    clip_axis(planes, s, 0, &enter, &leave);
+    clip_axis(planes, s, 1, &enter, &leave);
+    clip_axis(planes, s, 2, &enter, &leave);
+    __m256i words = _mm256_load_si256((const __m256i *)(const void *)node->child);
+    if (any) return store_met(enter, leave, words, child, NULL);
+    const __m256i last = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
+    const __m256i order = _mm256_xor_si256(last, _mm256_set1_epi32((int)s->order));
+    enter = _mm256_permutevar8x32_ps(enter, order);
+    leave = _mm256_permutevar8x32_ps(leave, order);
+    words = _mm256_permutevar8x32_epi32(words, order);
+    return store_met(enter, leave, words, child, tnear);
 }
 
 /* ---- Compact trees -------------------------------------------------------------------------- */
@@ -98,18 +95,20 @@ HT_TARGET HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_
 /* ---- Triangles ------------------------------------------------------------------------------ */
 
 typedef struct corner_lanes {
-    __m256 x, y, z;
+    __m256 x, y;
 } corner_lanes;
 
+/* With x, y and z negated, which rounds the same way and changes no edge function: so corners are
+ * subtracted where they lie in memory. */
 HT_TARGET HT_INLINE corner_lanes shear_corner(const float (*v)[HT_LANES], const ht_shear *s) {
+    const __m256 x = _mm256_broadcast_ss(&s->org[s->kx]);
+    const __m256 y = _mm256_broadcast_ss(&s->org[s->ky]);
+    const __m256 z = _mm256_sub_ps(_mm256_broadcast_ss(&s->org[s->kz]), _mm256_load_ps(v[s->kz]));
     corner_lanes c;
-    c.z = _mm256_sub_ps(_mm256_load_ps(v[s->kz]), _mm256_broadcast_ss(&s->org[s->kz]));
-    c.x =
-        _mm256_sub_ps(_mm256_sub_ps(_mm256_load_ps(v[s->kx]), _mm256_broadcast_ss(&s->org[s->kx])),
-                      _mm256_mul_ps(_mm256_broadcast_ss(&s->sx), c.z));
-    c.y =
-        _mm256_sub_ps(_mm256_sub_ps(_mm256_load_ps(v[s->ky]), _mm256_broadcast_ss(&s->org[s->ky])),
-                      _mm256_mul_ps(_mm256_broadcast_ss(&s->sy), c.z));
+    c.x = _mm256_sub_ps(_mm256_sub_ps(x, _mm256_load_ps(v[s->kx])),
+                        _mm256_mul_ps(_mm256_broadcast_ss(&s->sx), z));
+    c.y = _mm256_sub_ps(_mm256_sub_ps(y, _mm256_load_ps(v[s->ky])),
+                        _mm256_mul_ps(_mm256_broadcast_ss(&s->sy), z));
     return c;
 }
 
@@ -128,6 +127,20 @@ HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ht_shear
                                          _mm256_cmp_ps(most, zero, _CMP_GT_OQ));
     const __m256 idle = _mm256_load_ps((const float *)(const void *)leaf->prim);
     return 255 & ~(uint32_t)_mm256_movemask_ps(_mm256_or_ps(outside, idle));
+}
+
+/* ---- Rays ----------------------------------------------------------------------------------- */
+
+HT_TARGET HT_INLINE uint32_t sort_out(const uint32_t next[STREAMS], uint32_t *ended) {
+    uint32_t elsewhere = 0;
+    *ended = 0;
+    for (uint32_t i = 0; i < STREAMS; i += HT_LANES) {
+        const __m256i word = _mm256_loadu_si256((const __m256i *)(const void *)(next + i));
+        const __m256i end = _mm256_cmpeq_epi32(word, _mm256_set1_epi32((int)HT_WIDE_NONE));
+        elsewhere |= (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(word)) << i;
+        *ended |= (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(end)) << i;
+    }
+    return elsewhere;
 }
 
 #endif
