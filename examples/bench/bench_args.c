@@ -27,7 +27,8 @@ static const char help[] =
     "      --kind NAME,...     structures to measure (default wide,h,bvh-sah)\n"
     "      --device NAME       on an OpenCL device too: its index, part of its name, or default\n"
     "      --list-devices      print the OpenCL devices\n"
-    "      --peer NAME,...     another ray tracer too: embree, embree-robust\n"
+    "      --peer NAME,...     another ray tracer too: embree, embree-robust, and\n"
+    "                          embree-packet: primary rays by 16, tiles of 4x4\n"
     "      --threads N         threads, 0 for all cores (default 0); PoCL takes as many\n"
     "      --size WxH          primary rays (default 1024x1024)\n"
     "      --tile N            primary rays go by tiles of NxN, 1: by rows (default 4)\n"
@@ -110,7 +111,7 @@ static bool take_peer(void *user, const char *name) {
         out->peers[out->peer_count++] = *known;
         return true;
     }
-    return option_wrong(program, "--peer %s: choose from embree embree-robust", name);
+    return option_wrong(program, "--peer %s: choose from embree embree-robust embree-packet", name);
 }
 
 static bool take_decimal(const char *option, const char *text, double hi, double *value) {

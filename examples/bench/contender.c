@@ -14,7 +14,7 @@ htree_status contender_trace(contender *c, const ray_set *set, ray_set_name name
     if (name == RAYS_AMBIENT)
         peer_occluded(c->other, set->rays, set->count, (uint8_t *)answers);
     else
-        peer_intersect(c->other, set->rays, set->count, (htree_hit *)answers);
+        peer_intersect(c->other, set->rays, set->count, set->row, (htree_hit *)answers);
     return HTREE_OK;
 }
 

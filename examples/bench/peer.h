@@ -23,8 +23,10 @@ void peer_describe(const peer *p, char *out, size_t size);
 /* Builds anew, by the threads it was opened with, and writes how long that took. */
 bool peer_build(peer *p, double *seconds, char *error, size_t size);
 
-/* As htree_intersect and htree_occluded. */
-void peer_intersect(const peer *p, const htree_ray *rays, uint64_t count, htree_hit *hits);
+/* As htree_intersect and htree_occluded. `row` is how many rays are in a row of a picture, for peers
+ * that must be told which rays go together; 0: they do not. */
+void peer_intersect(const peer *p, const htree_ray *rays, uint64_t count, uint32_t row,
+                    htree_hit *hits);
 void peer_occluded(const peer *p, const htree_ray *rays, uint64_t count, uint8_t *occluded);
 
 #endif

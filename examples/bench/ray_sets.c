@@ -74,6 +74,7 @@ htree_status ray_sets_make(ray_set *sets, const ray_wish *wish, const shape *mes
         hits && reserve(&sets[RAYS_PRIMARY], pixels) ? HTREE_OK : HTREE_ERROR_MEMORY;
     if (status == HTREE_OK) {
         sets[RAYS_PRIMARY].count = pixels;
+        sets[RAYS_PRIMARY].row = wish->tile > 1 ? wish->tile : wish->width;
         make_primary(&sets[RAYS_PRIMARY], wish, view);
         status = htree_intersect(tree, sets[RAYS_PRIMARY].rays, pixels, hits, NULL);
     }

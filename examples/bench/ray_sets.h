@@ -13,6 +13,7 @@ typedef enum ray_set_name {
 
 typedef struct ray_set {
     uint64_t count;
+    uint32_t row; /* rays in a row of the picture, or of a tile; 0: neighbours do not agree */
     htree_ray *rays;
 } ray_set;
 
