@@ -4,6 +4,7 @@
  * machine. */
 #include "shade.h"
 
+#include "lamp.h"
 #include "numbers.h"
 #include "surface.h"
 
@@ -44,40 +45,12 @@ static void normalise(double *v) {
 
 /* ---- Light ---------------------------------------------------------------------------------- */
 
-/* How far a probe from the eye, ahead and upwards, gets before it meets a ceiling; infinite if it
- * leaves the scene. */
-static double probe_ceiling(const painter *p, double *direction) {
-    const camera *view = p->scene->view;
-    htree_hit hit = {INFINITY, 0, 0, HTREE_NONE};
-    htree_ray ray = camera_ray(view, 0.5, 0.5, 1, 1);
-    for (int i = 0; i < 3; ++i) {
-        direction[i] = view->forward[i] + 0.8 * view->up[i] - 0.3 * view->right[i];
-        ray.dir[i] = (float)direction[i];
-    }
-    if (tracer_intersect(p->scene->by, &ray, 1, &hit) != HTREE_OK) return INFINITY;
-    return (double)hit.t;
-}
-
-/* Outdoors the lamp stands at the viewer's upper left, far away. Indoors walls would hide it there,
- * so it hangs on the way to the ceiling. */
 static void place_lamp(painter *p, const htree_box *box) {
-    const camera *view = p->scene->view;
-    double size = 0, up_ahead[3];
-    bool inside = true;
-    for (int i = 0; i < 3; ++i) {
-        const double lo = (double)box->lo[i], hi = (double)box->hi[i];
-        size += (hi - lo) * (hi - lo);
-        inside = inside && view->eye[i] > lo && view->eye[i] < hi;
-    }
-    size = sqrt(size);
-    const double ceiling = inside ? probe_ceiling(p, up_ahead) : INFINITY;
-    inside = ceiling < INFINITY;
-    for (int i = 0; i < 3; ++i) {
-        const double middle = ((double)box->lo[i] + (double)box->hi[i]) / 2;
-        const double toward = 0.6 * view->up[i] - 0.7 * view->right[i] - 0.4 * view->forward[i];
-        p->lamp[i] =
-            inside ? view->eye[i] + 0.7 * ceiling * up_ahead[i] : middle + 20 * size * toward;
-    }
+    htree_hit hit = {INFINITY, 0, 0, HTREE_NONE};
+    const htree_ray probe = lamp_probe(p->scene->view);
+    const double size = lamp_diagonal(box);
+    if (tracer_intersect(p->scene->by, &probe, 1, &hit) != HTREE_OK) hit.t = INFINITY;
+    const bool inside = lamp_place(p->lamp, p->scene->view, box, (double)hit.t);
     p->reach = size * (inside ? 0.08 : 0.3);
     p->lift = surface_lift(size);
 }
