@@ -53,7 +53,8 @@ HAVE_EMBREE := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) -E - >/dev/nu
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c lib/trace/*/*.c))
 PARTS := mesh picture program bart animate table1 visibility
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
-BENCH_SRC := $(sort $(wildcard examples/bench/*.c))
+BENCH_SRC := $(filter-out $(if $(HAVE_EMBREE),%/peer_none.c,%/peer.c %/peer_pack.c %/peer_trace.c), \
+    $(sort $(wildcard examples/bench/*.c)))
 PART_CPP := $(patsubst %,-Iexamples/%,$(PARTS) bench)
 MOCK_TEST_SRC := $(patsubst %,tests/test_cl_%.c,arguments devices faults threads)
 TEST_CL_SRC := $(if $(HAVE_OPENCL),$(filter-out $(MOCK_TEST_SRC),$(sort $(wildcard tests/test_cl*.c))))
@@ -135,14 +136,13 @@ WEBP_CFLAGS := $(if $(HAVE_WEBP),-DHAVE_WEBP $(shell $(PKG_CONFIG) --cflags libw
 WEBP_LIBS := $(if $(HAVE_WEBP),$(shell $(PKG_CONFIG) --libs libwebpmux libwebp))
 OPENCL_CFLAGS := $(if $(HAVE_OPENCL),-DHAVE_OPENCL)
 OPENCL_LIBS := $(if $(HAVE_OPENCL),-ldl)
-EMBREE_CFLAGS := $(if $(HAVE_EMBREE),-DHAVE_EMBREE)
 EMBREE_LIBS := $(if $(HAVE_EMBREE),-lembree3)
 
 $(B)/examples/%.o: examples/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) $(PART_CPP) $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
-	    $(WEBP_CFLAGS) $(OPENCL_CFLAGS) $(EMBREE_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	    $(WEBP_CFLAGS) $(OPENCL_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # White-box tests may see the internal headers, so tests link the static library.
 $(B)/tests/%.o: tests/%.c Makefile
@@ -245,9 +245,25 @@ bench: all ## time every kind on the built-in scenes (or MESH=path)
 
 bench-device: all ## time kinds on the CPU, on an OpenCL device (DEVICE=name) and in Embree (MESH=path)
 	@mkdir -p $(OUT)
-	$(Q)$(B)/htree-bench --device "$(or $(DEVICE),default)" $(if $(HAVE_EMBREE),--peer embree) \
+	$(Q)$(B)/htree-bench --kind wide,h,bvh-sah --device "$(or $(DEVICE),default)" \
+	    $(if $(HAVE_EMBREE),--peer embree) \
 	    --json $(OUT)/bench-device.json $(MESH) >$(OUT)/bench-device.txt
 	@cat $(OUT)/bench-device.txt
+
+# KINDS, PEERS and THREADS replace the lists; SCENE adds built-in scenes, such as terrain:10000000.
+KINDS ?= fast,balanced,best,fast+lazy
+QUICK_PEERS := embree-low,embree-low-robust,embree-refit,embree-refit-robust
+PEERS ?= $(QUICK_PEERS),embree-medium,embree-medium-robust,embree-medium-compact,embree-high,embree-high-robust
+THREADS ?= 1,0
+bench-peers: all ## builds, rays and T_T beside Embree's, as docs/results/bench-peers.txt (MESH=path, SCENE=name)
+	@mkdir -p $(OUT)
+	$(Q)$(B)/htree-bench --threads $(THREADS) --kind $(KINDS) $(if $(HAVE_EMBREE),--peer $(PEERS)) \
+	    --json $(OUT)/bench-peers.json $(SCENE:%=--scene %) $(MESH) >$(OUT)/bench-peers.txt
+	@cat $(OUT)/bench-peers.txt
+	@cp $(OUT)/bench-peers.txt docs/results/
+ifneq ($(HAVE_EMBREE),yes)
+	@echo "note: Embree is not in it (apt-get install libembree-dev)"
+endif
 
 table1: all ## the paper's Table 1 with its figures beside ours, over the meshes in HTREE_SCENES
 	@mkdir -p $(OUT)
@@ -274,7 +290,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm house
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
@@ -325,6 +341,6 @@ help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(filter-out %.d,$(MAKEFILE_LIST)) | expand -t 18
 
-.PHONY: print-packages all lib run bench bench-device table1 plots tests test check check-arm layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench bench-device bench-peers table1 plots tests test check check-arm layers format deps install uninstall clean help
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

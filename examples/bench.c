@@ -1,5 +1,5 @@
-/* bench.c: htree-bench. Rays a second of the structures on the CPU, on an OpenCL device and beside
- * other ray tracers, over the same rays. What is known is printed and written when a scene is done.
+/* bench.c: htree-bench. Builds and rays of the structures on the CPU, on an OpenCL device and beside
+ * another ray tracer, over the same rays. What is known is printed and written when a scene is done.
  *
  * SPDX-License-Identifier: MIT */
 #include "bench_args.h"
@@ -7,6 +7,7 @@
 #include "device.h"
 #include "duel_table.h"
 #include "machine.h"
+#include "ratios.h"
 #include "report.h"
 
 #include <errno.h>
@@ -20,8 +21,7 @@ typedef struct bench {
     bench_args args;
     char machine[256], command[512], cores[64], device_text[320], error[512];
     struct htree_cl *device; /* NULL: none */
-    char *rows;              /* of the JSON so far */
-    size_t row_bytes;
+    bench_rows rows;         /* so far */
     duel fight;
 } bench;
 
@@ -38,7 +38,7 @@ static void print_head(const bench *b) {
 /* The peers say who they are when they have been opened. */
 static void print_peers(const bench *b) {
     for (uint32_t i = 0; i < b->args.peer_count; ++i)
-        printf("# %s: %s\n", b->args.peers[i], b->fight.peer_text[i]);
+        printf("# embree-%s: %s\n", b->args.peers[i].name, b->fight.peer_text[i]);
 }
 
 static bool open_device(bench *b) {
@@ -56,25 +56,6 @@ static bool open_device(bench *b) {
 
 /* ---- JSON ----------------------------------------------------------------------------------- */
 
-static bool keep_rows(bench *b, const duel_title *title) {
-    bool first = b->row_bytes == 0;
-    char *more = NULL;
-    size_t bytes = 0;
-    FILE *memory = open_memstream(&more, &bytes);
-    if (memory) {
-        duel_write_rows(memory, &b->fight, title, &first);
-        fclose(memory);
-    }
-    char *all = more ? (char *)realloc(b->rows, b->row_bytes + bytes + 1) : NULL;
-    if (all) {
-        memcpy(all + b->row_bytes, more, bytes + 1);
-        b->rows = all;
-        b->row_bytes += bytes;
-    }
-    free(more);
-    return all || (snprintf(b->error, sizeof b->error, "out of memory"), false);
-}
-
 /* Written before the first scene, so that a path that cannot be written fails early, and anew after
  * every scene. */
 static bool write_json(bench *b) {
@@ -86,9 +67,11 @@ static bool write_json(bench *b) {
         report_write_string(file, b->machine);
         fputs(",\n \"command\": ", file);
         report_write_string(file, b->command);
-        fprintf(file, ",\n \"threads\": %u,\n \"device\": ", b->args.threads);
+        fputs(",\n \"device\": ", file);
         report_write_string(file, b->device_text);
-        fprintf(file, ",\n \"rows\": [%s]}\n", b->rows ? b->rows : "");
+        fputs(",\n \"rows\": [", file);
+        rows_write(file, &b->rows);
+        fputs("]}\n", file);
     }
     const bool bad = file && ferror(file);
     const bool ok = file && fclose(file) == 0 && !bad;
@@ -98,19 +81,21 @@ static bool write_json(bench *b) {
 
 /* ---- Scenes --------------------------------------------------------------------------------- */
 
-static duel_job make_job(const bench *b, const bench_scene *scene, const camera *view) {
+static duel_job make_job(const bench *b, const bench_scene *scene, uint32_t threads) {
     const bench_args *args = &b->args;
     duel_job job;
     memset(&job, 0, sizeof job);
     job.mesh = &scene->mesh;
-    job.view = view;
+    job.view = &scene->camera;
     job.wish = args->wish;
-    job.kinds = args->kinds;
-    job.kind_count = args->kind_count;
+    job.load_rays = args->load_rays;
+    job.save_rays = args->save_rays;
+    job.trees = args->trees;
+    job.tree_count = args->tree_count;
     job.device = b->device;
     job.peers = args->peers;
     job.peer_count = args->peer_count;
-    job.threads = args->threads;
+    job.threads = threads;
     job.rounds = args->rounds;
     job.seconds = args->seconds;
     job.label = scene->name;
@@ -118,18 +103,21 @@ static duel_job make_job(const bench *b, const bench_scene *scene, const camera 
     return job;
 }
 
-static bool run_duel(bench *b, const bench_scene *scene, bool first) {
-    const bench_args *args = &b->args;
-    const camera view =
-        camera_place(&scene->camera, &scene->mesh, args->wish.width, args->wish.height);
-    const duel_job job = make_job(b, scene, &view);
-    const duel_title title = {scene->name, scene->note, scene->mesh.triangle_count, args->wish,
-                              args->wish.reach * ray_sets_diagonal(&scene->mesh)};
+static bool keep_rows(bench *b, const bench_scene *scene, uint32_t threads) {
+    return rows_add(&b->rows, &b->fight, scene->name, scene->mesh.triangle_count, threads) ||
+           (snprintf(b->error, sizeof b->error, "out of memory"), false);
+}
+
+static bool run_duel(bench *b, const bench_scene *scene, uint32_t threads) {
+    const duel_job job = make_job(b, scene, threads);
+    const duel_title title = {scene->name, scene->note, scene->mesh.triangle_count, threads,
+                              b->args.wish.seed};
+    const bool first = b->rows.count == 0;
     bool ok = duel_run(&b->fight, &job, b->error, sizeof b->error);
     if (ok) {
         if (first) print_peers(b);
         duel_print(stdout, &b->fight, &title);
-        ok = keep_rows(b, &title) && write_json(b) &&
+        ok = keep_rows(b, scene, threads) && write_json(b) &&
              duel_agrees(&b->fight, b->error, sizeof b->error);
     }
     if (ok) {
@@ -147,13 +135,16 @@ static bool run_scenes(bench *b) {
     const bench_args *args = &b->args;
     for (uint32_t i = 0; i < args->scene_count; ++i) {
         bench_scene scene;
-        if (!bench_scene_open(&scene, &args->scenes[i], args->folder, 0,
-                              args->has_camera ? &args->camera : NULL, b->error, sizeof b->error))
-            return false;
-        const bool ok = run_duel(b, &scene, i == 0);
+        bool ok =
+            bench_scene_open(&scene, &args->scenes[i], args->folder, 0,
+                             args->has_camera ? &args->camera : NULL, b->error, sizeof b->error);
+        if (!ok) return false;
+        for (uint32_t k = 0; ok && k < args->thread_count; ++k)
+            ok = run_duel(b, &scene, args->threads[k]);
         shape_free(&scene.mesh);
         if (!ok) return false;
     }
+    ratios_print(stdout, &b->rows);
     return true;
 }
 
@@ -171,7 +162,7 @@ int main(int argc, char **argv) {
     if (b.args.list_devices) return list_devices();
     machine_describe(b.machine, sizeof b.machine);
     machine_command(b.command, sizeof b.command, argc, argv);
-    cores_take(b.args.threads, b.cores, sizeof b.cores);
+    cores_take(b.args.most_threads, b.cores, sizeof b.cores);
     bool ok = open_device(&b) && write_json(&b);
     if (ok) {
         print_head(&b);
@@ -181,6 +172,6 @@ int main(int argc, char **argv) {
     if (!ok) fprintf(stderr, "htree-bench: %s\n", b.error);
     if (!shown) fputs("htree-bench: cannot write to the standard output\n", stderr);
     device_close(b.device);
-    free(b.rows);
+    free(b.rows.all);
     return ok && shown ? EXIT_SUCCESS : EXIT_INPUT;
 }

@@ -13,10 +13,12 @@ static const char program[] = "htree-bench";
 static const char help[] =
     "usage: htree-bench [OPTION]... [MESH]...\n"
     "\n"
-    "Measures rays a second over MESH (PLY; with assimp also OBJ, STL, glTF, ...) and built-in\n"
-    "scenes, for three sets of rays: primary; ambient, any hit; diffuse, closest hit. Every\n"
-    "contender gets the same rays, threads and cores, and its turn in every round; figures are\n"
-    "medians over the rounds. The hits of all structures and devices must be equal.\n"
+    "Measures builds and rays over MESH (PLY; with assimp also OBJ, STL, glTF, ...) and built-in\n"
+    "scenes: builds into a new handle, into the memory of the one before, and by refitting; "
+    "bytes;\n"
+    "T_T, a build and one frame; rays a second: primary, ambient occlusion and shadow (any hit),\n"
+    "diffuse. Every contender gets the same rays, threads and cores, and its turn in every round;\n"
+    "figures are medians over the rounds. The hits of all structures and devices must be equal.\n"
     "\n"
     "      --scene NAME[:N]    a built-in scene of about N triangles, or one of htree-table1's\n"
     "                          (bunny, conference, ...); may be repeated (default: knot, city)\n"
@@ -24,26 +26,31 @@ static const char help[] =
     "      --camera C          of MESH and built-in scenes: outside, inside, or\n"
     "                          ex,ey,ez,lx,ly,lz[,fov]; by default what suits the scene\n"
     "      --up x|y|z          which axis points up (default y)\n"
-    "      --kind NAME,...     structures to measure (default wide,h,bvh-sah)\n"
+    "      --kind NAME,...     structures and efforts, with +lazy or +morton after a name\n"
+    "                          (default fast,balanced,best,fast+lazy)\n"
     "      --device NAME       on an OpenCL device too: its index, part of its name, or default\n"
     "      --list-devices      print the OpenCL devices\n"
-    "      --peer NAME,...     another ray tracer too: embree, embree-robust, and\n"
-    "                          embree-packet: primary rays by 16, tiles of 4x4\n"
-    "      --threads N         threads, 0 for all cores (default 0); PoCL takes as many\n"
+    "      --peer NAME,...     another ray tracer too, ray by ray and by packets of 16:\n"
+    "                          embree[-low|-medium|-high|-refit][-robust][-compact]\n"
+    "      --threads N,...     threads, 0 for all cores (default 0); PoCL takes as many\n"
     "      --size WxH          primary rays (default 1024x1024)\n"
+    "      --frame N           T_T's frame is NxN rays (default 500)\n"
     "      --tile N            primary rays go by tiles of NxN, 1: by rows (default 4)\n"
+    "      --ambient N         ambient rays for every hit of the frame (default 8)\n"
     "      --reach PERCENT     length of ambient rays, of the scene's diagonal (default 10)\n"
+    "      --save-rays FILE    write the rays of the scene, for others to trace\n"
+    "      --load-rays FILE    trace these instead\n"
     "      --rounds N          (default 5)\n"
-    "      --seconds S         for each contender and round, at least (default 0.2)\n"
-    "      --seed N            of scenes and directions (default 1)\n"
-    "      --json FILE         write the figures, an object per contender and set of rays\n"
+    "      --seconds S         for each contender, set of rays and round, at least (default 0.2)\n"
+    "      --seed N            of directions (default 1)\n"
+    "      --json FILE         write the figures, an object per contender and scene\n"
     "  -q, --quiet             no progress bar\n"
     "  -h, --help   -V, --version\n"
     "\n"
     "  htree-bench bunny.ply\n"
     "  htree-bench --kind wide --device default --json bench.json bunny.ply\n"
-    "  htree-bench --threads 1 --peer embree --camera inside conference.ply\n"
-    "  htree-bench --scene soup:1000000 --kind ah,h --size 512x512 --rounds 3\n";
+    "  htree-bench --threads 1,2 --peer embree-low,embree-medium conference.ply\n"
+    "  htree-bench --kind fast,fast+lazy --scene terrain:10000000 --rounds 7\n";
 
 enum {
     OPTION_SCENE = 256,
@@ -56,8 +63,12 @@ enum {
     OPTION_PEER,
     OPTION_THREADS,
     OPTION_SIZE,
+    OPTION_FRAME,
     OPTION_TILE,
+    OPTION_AMBIENT,
     OPTION_REACH,
+    OPTION_SAVE_RAYS,
+    OPTION_LOAD_RAYS,
     OPTION_ROUNDS,
     OPTION_SECONDS,
     OPTION_SEED,
@@ -75,8 +86,12 @@ static const struct option long_options[] = {
     {"peer", required_argument, NULL, OPTION_PEER},
     {"threads", required_argument, NULL, OPTION_THREADS},
     {"size", required_argument, NULL, OPTION_SIZE},
+    {"frame", required_argument, NULL, OPTION_FRAME},
     {"tile", required_argument, NULL, OPTION_TILE},
+    {"ambient", required_argument, NULL, OPTION_AMBIENT},
     {"reach", required_argument, NULL, OPTION_REACH},
+    {"save-rays", required_argument, NULL, OPTION_SAVE_RAYS},
+    {"load-rays", required_argument, NULL, OPTION_LOAD_RAYS},
     {"rounds", required_argument, NULL, OPTION_ROUNDS},
     {"seconds", required_argument, NULL, OPTION_SECONDS},
     {"seed", required_argument, NULL, OPTION_SEED},
@@ -99,19 +114,40 @@ static bool take_scene(bench_args *out, const char *text) {
 
 static bool take_kind(void *user, const char *name) {
     bench_args *out = (bench_args *)user;
-    return option_kind_add(program, "kind", name, out->kinds, &out->kind_count, DUEL_MAX_KINDS);
+    tree_config config;
+    if (!tree_config_read(program, &config, name)) return false;
+    for (uint32_t i = 0; i < out->tree_count; ++i)
+        if (strcmp(out->trees[i].name, config.name) == 0) return true;
+    if (out->tree_count == DUEL_MAX_TREES)
+        return option_wrong(program, "more than %d structures", DUEL_MAX_TREES);
+    out->trees[out->tree_count++] = config;
+    return true;
 }
 
 static bool take_peer(void *user, const char *name) {
     bench_args *out = (bench_args *)user;
-    for (const char *const *known = peer_names(); *known; ++known) {
-        if (strcmp(*known, name) != 0) continue;
-        for (uint32_t i = 0; i < out->peer_count; ++i)
-            if (out->peers[i] == *known) return true;
-        out->peers[out->peer_count++] = *known;
-        return true;
-    }
-    return option_wrong(program, "--peer %s: choose from embree embree-robust embree-packet", name);
+    peer_config config;
+    if (!peer_config_read(program, &config, name)) return false;
+    for (uint32_t i = 0; i < out->peer_count; ++i)
+        if (strcmp(out->peers[i].name, config.name) == 0) return true;
+    if (out->peer_count == DUEL_MAX_PEERS)
+        return option_wrong(program, "more than %d peers", DUEL_MAX_PEERS);
+    out->peers[out->peer_count++] = config;
+    return true;
+}
+
+static bool take_threads(void *user, const char *text) {
+    bench_args *out = (bench_args *)user;
+    uint32_t threads;
+    if (!option_u32(program, "threads", text, 0, 256, &threads)) return false;
+    threads = option_threads(threads);
+    for (uint32_t i = 0; i < out->thread_count; ++i)
+        if (out->threads[i] == threads) return true;
+    if (out->thread_count == BENCH_MAX_THREADS)
+        return option_wrong(program, "more than %d numbers of threads", BENCH_MAX_THREADS);
+    out->threads[out->thread_count++] = threads;
+    if (threads > out->most_threads) out->most_threads = threads;
+    return true;
 }
 
 static bool take_decimal(const char *option, const char *text, double hi, double *value) {
@@ -141,6 +177,23 @@ static bool take_reach(bench_args *out, const char *text) {
     return true;
 }
 
+/* ---- Options -------------------------------------------------------------------------------- */
+
+static bool take_ray_option(bench_args *out, int option, const char *value) {
+    ray_wish *wish = &out->wish;
+    switch (option) {
+    case OPTION_SIZE: return option_size(program, value, &wish->width, &wish->height);
+    case OPTION_FRAME: return option_u32(program, "frame", value, 1, 16384, &wish->frame);
+    case OPTION_TILE: return option_u32(program, "tile", value, 1, 1024, &wish->tile);
+    case OPTION_AMBIENT: return option_u32(program, "ambient", value, 1, 1024, &wish->ambient);
+    case OPTION_REACH: return take_reach(out, value);
+    case OPTION_SEED: return option_u32(program, "seed", value, 0, UINT32_MAX, &wish->seed);
+    case OPTION_SAVE_RAYS: return out->save_rays = value, true;
+    case OPTION_LOAD_RAYS: return out->load_rays = value, true;
+    default: return false;
+    }
+}
+
 static bool take_option(bench_args *out, int option, const char *value) {
     switch (option) {
     case 'q': return out->quiet = true;
@@ -152,16 +205,12 @@ static bool take_option(bench_args *out, int option, const char *value) {
     case OPTION_DEVICE: return out->device = value, true;
     case OPTION_LIST_DEVICES: return out->list_devices = true;
     case OPTION_PEER: return option_list(program, "peer", value, take_peer, out);
-    case OPTION_THREADS: return option_u32(program, "threads", value, 0, 256, &out->threads);
-    case OPTION_SIZE: return option_size(program, value, &out->wish.width, &out->wish.height);
-    case OPTION_TILE: return option_u32(program, "tile", value, 1, 1024, &out->wish.tile);
-    case OPTION_REACH: return take_reach(out, value);
+    case OPTION_THREADS: return option_list(program, "threads", value, take_threads, out);
     case OPTION_ROUNDS:
         return option_u32(program, "rounds", value, 1, BENCH_MAX_ROUNDS, &out->rounds);
     case OPTION_SECONDS: return take_decimal("seconds", value, 3600, &out->seconds);
-    case OPTION_SEED: return option_u32(program, "seed", value, 0, UINT32_MAX, &out->wish.seed);
     case OPTION_JSON: return out->json = value, true;
-    default: return false;
+    default: return take_ray_option(out, option, value);
     }
 }
 
@@ -173,13 +222,28 @@ static bench_args default_args(void) {
     const char *folder = getenv("HTREE_SCENES");
     args.folder = folder && *folder ? folder : "scenes";
     args.wish.width = args.wish.height = 1024;
+    args.wish.frame = 500;
     args.wish.tile = 4;
+    args.wish.ambient = 8;
     args.wish.seed = 1;
     args.wish.reach = 0.1;
     args.camera.up = 1;
     args.rounds = 5;
     args.seconds = 0.2;
     return args;
+}
+
+/* What can be said only when all options are known. */
+static bool complete(bench_args *out) {
+    if (!out->thread_count) take_threads(out, "0");
+    if (!out->tree_count)
+        option_list(program, "kind", "fast,balanced,best,fast+lazy", take_kind, out);
+    if (!out->scene_count && (!take_scene(out, "knot") || !take_scene(out, "city"))) return false;
+    if (out->device && out->thread_count > 1)
+        return option_wrong(program, "--device takes one number of --threads");
+    if ((out->load_rays || out->save_rays) && out->scene_count > 1)
+        return option_wrong(program, "--load-rays and --save-rays take one scene");
+    return true;
 }
 
 args_result bench_args_parse(bench_args *out, int argc, char **argv) {
@@ -189,15 +253,11 @@ args_result bench_args_parse(bench_args *out, int argc, char **argv) {
     for (int option; (option = option_next(&syntax, argc, argv, &result)) != -1;)
         if (!take_option(out, option, optarg)) return ARGS_WRONG;
     if (result != ARGS_RUN) return result;
-    out->threads = option_threads(out->threads);
     for (; optind < argc; ++optind) {
         scene_wish *wish = next_scene(out);
         if (!wish) return ARGS_WRONG;
         wish->source = SCENE_MESH;
         wish->path = argv[optind];
     }
-    if (!out->kind_count) option_list(program, "kind", "wide,h,bvh-sah", take_kind, out);
-    if (!out->scene_count && (!take_scene(out, "knot") || !take_scene(out, "city")))
-        return ARGS_WRONG;
-    return ARGS_RUN;
+    return complete(out) ? ARGS_RUN : ARGS_WRONG;
 }

@@ -1,19 +1,24 @@
-/* duel.h: every contender over every set of rays of one scene, side by side. */
+/* duel.h: every contender over one scene, side by side: how it builds, and every set of rays. */
 #ifndef EXAMPLES_DUEL_H
 #define EXAMPLES_DUEL_H
 
 #include "contender.h"
 
-enum { DUEL_MAX_KINDS = 16, DUEL_MAX_PEERS = 4, DUEL_MAX = 2 * DUEL_MAX_KINDS + DUEL_MAX_PEERS };
+enum {
+    DUEL_MAX_TREES = 16,
+    DUEL_MAX_PEERS = 16,
+    DUEL_MAX = 2 * DUEL_MAX_TREES + 2 * DUEL_MAX_PEERS
+};
 
 typedef struct duel_job {
     const shape *mesh;
-    const camera *view;
+    const camera_wish *view;
     ray_wish wish;
-    const htree_kind *kinds; /* on the CPU and, with a device, on it */
-    uint32_t kind_count;
+    const char *load_rays, *save_rays; /* files; NULL: none */
+    const tree_config *trees;          /* on the CPU and, with a device, on it */
+    uint32_t tree_count;
     struct htree_cl *device;  /* NULL: none */
-    const char *const *peers; /* names; the first is what ratios are against */
+    const peer_config *peers; /* the first is what ratios are against */
     uint32_t peer_count;
     uint32_t threads, rounds;
     double seconds;    /* that a contender traces in a round, at least */
@@ -25,6 +30,7 @@ typedef struct duel {
     contender all[DUEL_MAX];
     uint32_t count;
     ray_set sets[RAY_SETS];
+    peer_packets *packed[RAY_SETS]; /* of sets whose neighbours agree, where there is a peer */
     char peer_text[DUEL_MAX_PEERS][256];
 } duel;
 

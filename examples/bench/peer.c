@@ -1,291 +1,155 @@
-/* peer.c: Embree 3, in the same loop as the library's: ray by ray, or where rays are known to agree
- * by packets of 16. Its scene flag "robust" is what comes closest to this library's watertight
- * test; without it, it is faster. */
-#include "peer.h"
+/* peer.c: Embree 3: devices, scenes, and what they hold. Its scene flag "robust" is what comes closest
+ * to this library's watertight test; without it, it is faster. */
+#include "embree.h"
 
-#include <stdio.h>
-
-static const char *const names[] = {"embree", "embree-robust", "embree-packet", NULL};
-
-const char *const *peer_names(void) {
-    return names;
-}
-
-#ifdef HAVE_EMBREE
-
-#include "loop.h"
 #include "primary.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Headers of others are not held to our warnings. */
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wc++-compat"
-#pragma GCC diagnostic ignored "-Wstrict-prototypes"
-#endif
-#include <embree3/rtcore.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
-
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
-
-struct peer {
-    RTCDevice device;
-    RTCGeometry geometry;
-    RTCScene scene;
-    uint32_t threads;
-    bool robust, packets;
-};
 
 static bool fail(RTCDevice device, const char *what, char *error, size_t size) {
     snprintf(error, size, "Embree: %s failed, error %d", what, (int)rtcGetDeviceError(device));
     return false;
 }
 
-/* Buffers of its own, as it reads a little beyond the last vertex. It knows no empty ones: no
- * triangles are no geometry. */
-static bool copy_mesh(peer *p, const shape *mesh) {
-    if (!mesh->triangle_count) return true;
-    p->geometry = rtcNewGeometry(p->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (!p->geometry) return false;
-    void *positions = rtcSetNewGeometryBuffer(p->geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                              RTC_FORMAT_FLOAT3, 12, mesh->vertex_count);
-    void *indices = rtcSetNewGeometryBuffer(p->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            12, mesh->triangle_count);
-    if (!positions || !indices) return false;
-    memcpy(positions, mesh->positions, 12 * mesh->vertex_count);
-    memcpy(indices, mesh->indices, 12 * mesh->triangle_count);
-    rtcSetGeometryBuildQuality(p->geometry, RTC_BUILD_QUALITY_MEDIUM);
-    rtcCommitGeometry(p->geometry);
+/* Called by any of its threads. */
+static bool monitor(void *user, ssize_t bytes, bool post) {
+    peer *p = (peer *)user;
+    (void)post;
+    const int64_t held = __atomic_add_fetch(&p->held, (int64_t)bytes, __ATOMIC_RELAXED);
+    int64_t most = __atomic_load_n(&p->most, __ATOMIC_RELAXED);
+    while (held > most && !__atomic_compare_exchange_n(&p->most, &most, held, true,
+                                                       __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    }
     return true;
 }
 
-peer *peer_open(const char *name, const shape *mesh, uint32_t threads, char *error, size_t size) {
-    char config[64];
+/* ---- The mesh ------------------------------------------------------------------------------- */
+
+/* In our memory, as the mesh of our trees is the caller's. It knows no empty buffers: no triangles are
+ * no geometry. */
+static bool copy_mesh(peer *p, const shape *mesh) {
+    static const enum RTCBuildQuality qualities[] = {
+        RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_HIGH,
+        RTC_BUILD_QUALITY_REFIT};
+    if (!mesh->triangle_count) return true;
+    const size_t indices = 12 * (size_t)mesh->triangle_count;
+    p->position_bytes = 12 * mesh->vertex_count;
+    p->positions = (float *)calloc(1, (size_t)p->position_bytes + 16);
+    p->indices = (uint32_t *)malloc(indices);
+    p->geometry = rtcNewGeometry(p->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!p->geometry || !p->positions || !p->indices) return false;
+    memcpy(p->positions, mesh->positions, (size_t)p->position_bytes);
+    memcpy(p->indices, mesh->indices, indices);
+    rtcSetSharedGeometryBuffer(p->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               p->positions, 0, 12, (size_t)mesh->vertex_count);
+    rtcSetSharedGeometryBuffer(p->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, p->indices,
+                               0, 12, (size_t)mesh->triangle_count);
+    rtcSetGeometryBuildQuality(p->geometry, qualities[p->config.quality]);
+    rtcCommitGeometry(p->geometry);
+    return rtcGetDeviceError(p->device) == RTC_ERROR_NONE;
+}
+
+peer *peer_open(const peer_config *config, const shape *mesh, uint32_t threads, char *error,
+                size_t size) {
+    char settings[64];
     peer *p = (peer *)calloc(1, sizeof *p);
-    snprintf(config, sizeof config, "threads=%u,set_affinity=0", threads);
-    if (p) p->device = rtcNewDevice(config);
-    if (!p || !p->device || !copy_mesh(p, mesh)) {
-        fail(p ? p->device : NULL, "taking the mesh", error, size);
-        peer_close(p);
-        return NULL;
+    snprintf(settings, sizeof settings, "threads=%u,set_affinity=0", threads);
+    if (p) {
+        p->config = *config;
+        p->threads = threads;
+        p->device = rtcNewDevice(settings);
     }
-    p->threads = threads;
-    p->robust = strcmp(name, names[1]) == 0;
-    p->packets = strcmp(name, names[2]) == 0;
-    return p;
+    if (p && p->device) rtcSetDeviceMemoryMonitorFunction(p->device, monitor, p);
+    if (p && p->device && copy_mesh(p, mesh)) return p;
+    fail(p ? p->device : NULL, "taking the mesh", error, size);
+    peer_close(p);
+    return NULL;
 }
 
 void peer_close(peer *p) {
     if (!p) return;
-    if (p->scene) rtcReleaseScene(p->scene);
+    peer_drop(p);
     if (p->geometry) rtcReleaseGeometry(p->geometry);
     if (p->device) rtcReleaseDevice(p->device);
+    free(p->positions);
+    free(p->indices);
     free(p);
 }
 
 void peer_describe(const peer *p, char *out, size_t size) {
+    static const char *const qualities[] = {"LOW", "MEDIUM", "HIGH", "LOW, of its geometry REFIT"};
     const int version = (int)rtcGetDeviceProperty(p->device, RTC_DEVICE_PROPERTY_VERSION);
     snprintf(out, size,
-             "Embree %d.%d.%d, RTC_BUILD_QUALITY_MEDIUM, %s, %srtcIntersect1 and rtcOccluded1 "
-             "in blocks of 512 rays, builds and traces by %u thread%s",
-             version / 10000, version / 100 % 100, version % 100,
-             p->robust ? "RTC_SCENE_FLAG_ROBUST" : "RTC_SCENE_FLAG_NONE",
-             p->packets ? "rtcIntersect16 over 4x4 primary rays, " : "", p->threads,
+             "Embree %d.%d.%d, RTC_BUILD_QUALITY_%s,%s%s%s in blocks of 512 rays by rtcIntersect1 "
+             "and rtcOccluded1, x16: rtcIntersect16 over 4x4 rays, %u thread%s",
+             version / 10000, version / 100 % 100, version % 100, qualities[p->config.quality],
+             p->config.robust ? " RTC_SCENE_FLAG_ROBUST," : "",
+             p->config.compact ? " RTC_SCENE_FLAG_COMPACT," : "",
+             p->config.robust || p->config.compact ? "" : " no scene flags,", p->threads,
              p->threads == 1 ? "" : "s");
 }
 
-bool peer_build(peer *p, double *seconds, char *error, size_t size) {
-    if (p->scene) rtcReleaseScene(p->scene);
+/* ---- Builds --------------------------------------------------------------------------------- */
+
+static enum RTCSceneFlags flags_of(const peer_config *config, bool again) {
+    int flags = RTC_SCENE_FLAG_NONE;
+    if (config->robust) flags |= RTC_SCENE_FLAG_ROBUST;
+    if (config->compact) flags |= RTC_SCENE_FLAG_COMPACT;
+    if (again) flags |= RTC_SCENE_FLAG_DYNAMIC;
+    return (enum RTCSceneFlags)flags;
+}
+
+/* Its builder of Morton codes, and its refitting, are to be had of scenes of quality LOW. */
+static enum RTCBuildQuality quality_of(const peer_config *config) {
+    return config->quality == PEER_HIGH     ? RTC_BUILD_QUALITY_HIGH
+           : config->quality == PEER_MEDIUM ? RTC_BUILD_QUALITY_MEDIUM
+                                            : RTC_BUILD_QUALITY_LOW;
+}
+
+static void put(peer *p, const float *positions) {
+    if (!p->geometry) return;
+    memcpy(p->positions, positions, (size_t)p->position_bytes);
+    rtcUpdateGeometryBuffer(p->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+}
+
+bool peer_build(peer *p, const float *positions, bool again, double *seconds, char *error,
+                size_t size) {
+    peer_drop(p);
+    put(p, positions);
+    if (p->geometry) rtcCommitGeometry(p->geometry);
+    const int64_t before = p->most = p->held;
     const double start = clock_seconds();
     p->scene = rtcNewScene(p->device);
     if (!p->scene) return fail(p->device, "rtcNewScene", error, size);
-    rtcSetSceneFlags(p->scene, p->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-    rtcSetSceneBuildQuality(p->scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneFlags(p->scene, flags_of(&p->config, again));
+    rtcSetSceneBuildQuality(p->scene, quality_of(&p->config));
     if (p->geometry) rtcAttachGeometry(p->scene, p->geometry);
+    rtcCommitScene(p->scene);
+    *seconds = clock_seconds() - start;
+    p->bytes = (uint64_t)(p->held - before);
+    p->peak = (uint64_t)(p->most - before);
+    return rtcGetDeviceError(p->device) == RTC_ERROR_NONE ||
+           fail(p->device, "rtcCommitScene", error, size);
+}
+
+bool peer_commit(peer *p, const float *positions, double *seconds, char *error, size_t size) {
+    put(p, positions);
+    const double start = clock_seconds();
+    if (p->geometry) rtcCommitGeometry(p->geometry);
     rtcCommitScene(p->scene);
     *seconds = clock_seconds() - start;
     return rtcGetDeviceError(p->device) == RTC_ERROR_NONE ||
            fail(p->device, "rtcCommitScene", error, size);
 }
 
-/* ---- Rays ----------------------------------------------------------------------------------- */
-
-typedef struct batch {
-    const peer *by;
-    const htree_ray *rays;
-    uint64_t count;
-    uint32_t row; /* 0: no packets */
-    htree_hit *hits;
-    uint8_t *occluded;
-} batch;
-
-static struct RTCRay make_ray(const htree_ray *ray) {
-    const struct RTCRay out = {ray->org[0], ray->org[1], ray->org[2], ray->tmin,
-                               ray->dir[0], ray->dir[1], ray->dir[2], 0,
-                               ray->tmax,   UINT32_MAX,  0,           0};
-    return out;
+void peer_drop(peer *p) {
+    if (p->scene) rtcReleaseScene(p->scene);
+    p->scene = NULL;
 }
 
-static void intersect_block(const batch *b, uint64_t first, uint64_t end) {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (uint64_t i = first; i < end; ++i) {
-        struct RTCRayHit both;
-        both.ray = make_ray(&b->rays[i]);
-        both.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(b->by->scene, &context, &both);
-        const bool miss = both.hit.geomID == RTC_INVALID_GEOMETRY_ID;
-        const htree_hit hit = {both.ray.tfar, miss ? 0 : both.hit.u, miss ? 0 : both.hit.v,
-                               miss ? HTREE_NONE : both.hit.primID};
-        b->hits[i] = hit;
-    }
+void peer_memory(const peer *p, uint64_t *bytes, uint64_t *peak) {
+    *bytes = p->bytes;
+    *peak = p->peak;
 }
-
-static void occlude_block(const batch *b, uint64_t first, uint64_t end) {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (uint64_t i = first; i < end; ++i) {
-        struct RTCRay ray = make_ray(&b->rays[i]);
-        rtcOccluded1(b->by->scene, &context, &ray);
-        b->occluded[i] = ray.tfar < 0;
-    }
-}
-
-/* ---- Packets -------------------------------------------------------------------------------- */
-
-enum { SIDE = 4, PACKET = SIDE * SIDE };
-
-/* The rays of a packet: their indices, as many as there are. */
-typedef struct packet {
-    uint64_t index[PACKET];
-    uint32_t count;
-} packet;
-
-static uint64_t packets_across(uint64_t row) {
-    return (row + SIDE - 1) / SIDE;
-}
-
-/* Packet `number` of a picture, the last row of which may be short. */
-static packet find_packet(uint64_t number, uint64_t row, uint64_t count) {
-    const uint64_t left = number % packets_across(row) * SIDE;
-    const uint64_t top = number / packets_across(row) * SIDE;
-    packet p = {{0}, 0};
-    for (uint64_t y = top; y < top + SIDE; ++y)
-        for (uint64_t x = left; x < left + SIDE && x < row; ++x)
-            if (y * row + x < count) p.index[p.count++] = y * row + x;
-    return p;
-}
-
-static void intersect_packet(const batch *b, const packet *p, struct RTCIntersectContext *context) {
-    struct RTCRayHit16 both;
-    int valid[PACKET] __attribute__((aligned(64)));
-    for (uint32_t i = 0; i < PACKET; ++i) {
-        const struct RTCRay ray = make_ray(&b->rays[p->index[i]]);
-        valid[i] = i < p->count ? -1 : 0;
-        both.ray.org_x[i] = ray.org_x, both.ray.org_y[i] = ray.org_y;
-        both.ray.org_z[i] = ray.org_z, both.ray.tnear[i] = ray.tnear;
-        both.ray.dir_x[i] = ray.dir_x, both.ray.dir_y[i] = ray.dir_y;
-        both.ray.dir_z[i] = ray.dir_z, both.ray.tfar[i] = ray.tfar;
-        both.ray.time[i] = 0, both.ray.mask[i] = ray.mask;
-        both.ray.id[i] = both.ray.flags[i] = 0;
-        both.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    }
-    rtcIntersect16(valid, b->by->scene, context, &both);
-    for (uint32_t i = 0; i < p->count; ++i) {
-        const bool miss = both.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID;
-        const htree_hit hit = {both.ray.tfar[i], miss ? 0 : both.hit.u[i], miss ? 0 : both.hit.v[i],
-                               miss ? HTREE_NONE : both.hit.primID[i]};
-        b->hits[p->index[i]] = hit;
-    }
-}
-
-static void intersect_packets(const batch *b, uint64_t first, uint64_t end) {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (uint64_t i = first; i < end; ++i) {
-        const packet p = find_packet(i, b->row, b->count);
-        intersect_packet(b, &p, &context);
-    }
-}
-
-/* ---- Blocks --------------------------------------------------------------------------------- */
-
-/* Its manual wants denormals flushed while it works. */
-static void trace_block(void *data, uint64_t first, uint64_t end) {
-    const batch *b = (const batch *)data;
-#ifdef __SSE__
-    const unsigned kept = _mm_getcsr();
-    _mm_setcsr(kept | 0x8040);
-#endif
-    if (b->row)
-        intersect_packets(b, first / PACKET, end / PACKET);
-    else if (b->hits)
-        intersect_block(b, first, end);
-    else
-        occlude_block(b, first, end);
-#ifdef __SSE__
-    _mm_setcsr(kept);
-#endif
-}
-
-void peer_intersect(const peer *p, const htree_ray *rays, uint64_t count, uint32_t row,
-                    htree_hit *hits) {
-    batch b = {p, rays, count, p->packets ? row : 0, hits, NULL};
-    if (b.row) {
-        const uint64_t rows = (count + b.row - 1) / b.row;
-        count = packets_across(b.row) * ((rows + SIDE - 1) / SIDE) * PACKET;
-    }
-    loop_run(p->threads, count, trace_block, &b);
-}
-
-void peer_occluded(const peer *p, const htree_ray *rays, uint64_t count, uint8_t *occluded) {
-    batch b = {p, rays, count, 0, NULL, occluded};
-    loop_run(p->threads, count, trace_block, &b);
-}
-
-#else
-
-peer *peer_open(const char *name, const shape *mesh, uint32_t threads, char *error, size_t size) {
-    (void)name;
-    (void)mesh;
-    (void)threads;
-    snprintf(error, size,
-             "this build has no Embree: install version 3 (apt-get install libembree-dev) and "
-             "build again");
-    return NULL;
-}
-
-void peer_close(peer *p) {
-    (void)p;
-}
-
-void peer_describe(const peer *p, char *out, size_t size) {
-    (void)p;
-    snprintf(out, size, "none");
-}
-
-bool peer_build(peer *p, double *seconds, char *error, size_t size) {
-    (void)p;
-    *seconds = 0;
-    snprintf(error, size, "this build has no Embree");
-    return false;
-}
-
-void peer_intersect(const peer *p, const htree_ray *rays, uint64_t count, uint32_t row,
-                    htree_hit *hits) {
-    (void)p, (void)rays, (void)count, (void)row, (void)hits;
-}
-
-void peer_occluded(const peer *p, const htree_ray *rays, uint64_t count, uint8_t *occluded) {
-    (void)p, (void)rays, (void)count, (void)occluded;
-}
-
-#endif
