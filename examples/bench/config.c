@@ -56,7 +56,7 @@ static bool add_word(peer_config *out, const char *word) {
 }
 
 bool peer_config_read(const char *program, peer_config *out, const char *text) {
-    char word[64] = "";
+    char word[24] = "";
     const char *rest = text;
     memset(out, 0, sizeof *out);
     out->quality = PEER_MEDIUM;

@@ -1,5 +1,7 @@
 #include "ratios.h"
 
+#include "bench_args.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -88,37 +90,51 @@ static const char *new_scene(const bench_rows *rows, uint32_t i) {
     return rows->all[i].scene;
 }
 
-static void print_line(FILE *out, const bench_rows *rows, const comparison *c, const choice *ours,
-                       const choice *theirs) {
-    double sum = 0, least = INFINITY;
-    uint32_t count = 0;
-    fprintf(out, "%-32s", c->text);
-    for (uint32_t i = 0; i < rows->count; ++i) {
-        const char *scene = new_scene(rows, i);
+/* Of both sides, for a scene. */
+typedef struct match {
+    const bench_rows *rows;
+    choice ours, theirs;
+} match;
+
+/* Above 1: ours is better. NaN without both figures. */
+static double ratio_of(const match *m, const comparison *c, const char *scene) {
+    const double a = find(m->rows, scene, &m->ours, &c->ours, c->less);
+    const double b = find(m->rows, scene, &m->theirs, &c->theirs, c->less);
+    const double ratio = c->less ? b / a : a / b;
+    return ratio > 0 && ratio < INFINITY ? ratio : (double)NAN;
+}
+
+/* Nothing if there is no ratio for any scene. */
+static void print_line(FILE *out, const match *m, const comparison *c) {
+    double ratios[BENCH_MAX_SCENES], sum = 0, least = INFINITY;
+    uint32_t scenes = 0, count = 0;
+    for (uint32_t i = 0; i < m->rows->count; ++i) {
+        const char *scene = new_scene(m->rows, i);
         if (!scene) continue;
-        const double a = find(rows, scene, ours, &c->ours, c->less);
-        const double b = find(rows, scene, theirs, &c->theirs, c->less);
-        const double ratio = c->less ? b / a : a / b;
-        rows_print_number(out, 12, 2, ratio);
-        if (!(ratio > 0 && ratio < INFINITY)) continue;
+        const double ratio = ratios[scenes++] = ratio_of(m, c, scene);
+        if (isnan(ratio)) continue;
         sum += log(ratio);
         least = fmin(least, ratio);
         ++count;
     }
-    rows_print_number(out, 8, 2, count ? exp(sum / count) : (double)NAN);
+    if (!count) return;
+    fprintf(out, "%-32s", c->text);
+    for (uint32_t i = 0; i < scenes; ++i) rows_print_number(out, 12, 2, ratios[i]);
+    rows_print_number(out, 8, 2, exp(sum / count));
     rows_print_number(out, 8, 2, least);
     fputc('\n', out);
 }
 
-static void print_table(FILE *out, const bench_rows *rows, const comparison *all, int count,
-                        const choice *ours, const choice *theirs) {
+/* Names of scenes without the ends of files. */
+static void print_table(FILE *out, const match *m, const comparison *all, int count) {
     fprintf(out, "%-32s", "better by a factor of");
-    for (uint32_t i = 0; i < rows->count; ++i) {
-        const char *scene = new_scene(rows, i);
-        if (scene) fprintf(out, " %12.12s", scene);
+    for (uint32_t i = 0; i < m->rows->count; ++i) {
+        const char *scene = new_scene(m->rows, i);
+        const size_t length = scene ? strcspn(scene, ".") : 0;
+        if (scene) fprintf(out, " %12.*s", (int)(length < 12 ? length : 12), scene);
     }
     fprintf(out, " %8s %8s\n", "geomean", "least");
-    for (int i = 0; i < count; ++i) print_line(out, rows, &all[i], ours, theirs);
+    for (int i = 0; i < count; ++i) print_line(out, m, &all[i]);
 }
 
 static bool exists(const bench_rows *rows, const choice *by) {
@@ -128,13 +144,12 @@ static bool exists(const bench_rows *rows, const choice *by) {
 }
 
 static void print_peers(FILE *out, const bench_rows *rows, uint32_t threads) {
-    const choice ours = {false, false, threads};
     for (int robust = 0; robust < 2; ++robust) {
-        const choice theirs = {true, robust != 0, threads};
-        if (!exists(rows, &theirs)) continue;
+        const match m = {rows, {false, false, threads}, {true, robust != 0, threads}};
+        if (!exists(rows, &m.theirs)) continue;
         fprintf(out, "\nhtree against Embree%s, %u thread%s\n", robust ? " in robust mode" : "",
                 threads, threads == 1 ? "" : "s");
-        print_table(out, rows, comparisons, COMPARISONS, &ours, &theirs);
+        print_table(out, &m, comparisons, COMPARISONS);
     }
 }
 
@@ -152,8 +167,8 @@ void ratios_print(FILE *out, const bench_rows *rows) {
     const uint32_t least = next_threads(rows, 0);
     for (uint32_t n = least; n; n = next_threads(rows, n)) print_peers(out, rows, n);
     for (uint32_t n = next_threads(rows, least); n; n = next_threads(rows, n)) {
-        const choice many = {false, false, n}, few = {false, false, least};
+        const match m = {rows, {false, false, n}, {false, false, least}};
         fprintf(out, "\nhtree with %u threads against %u\n", n, least);
-        print_table(out, rows, gains, GAINS, &many, &few);
+        print_table(out, &m, gains, GAINS);
     }
 }
