@@ -5,10 +5,7 @@ B := build/$(config)
 VERSION := 0.1.0
 SONAME := libhtree.so.0
 
-PREFIX ?= /usr/local
-DESTDIR ?=
 CC ?= cc
-INSTALL ?= install
 PKG_CONFIG ?= pkg-config
 CLANG_FORMAT ?= clang-format
 CLANG ?= clang
@@ -290,7 +287,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
@@ -301,6 +298,9 @@ layers: ## check the include law and the map of lib/README.md
 # ---- Bindings -------------------------------------------------------------------------------------
 include bindings/bindings.mk
 
+# ---- Install --------------------------------------------------------------------------------------
+include packaging/install.mk
+
 # ---- House ----------------------------------------------------------------------------------------
 FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' '*.hpp' '*.cpp' 2>/dev/null)
 format: ## format all C sources in place
@@ -310,26 +310,6 @@ PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev libwebp-d
     opencl-headers ocl-icd-libopencl1 pocl-opencl-icd
 deps: ## install the Debian packages that are missing
 	$(Q)sh examples/deps.sh $(PACKAGES)
-
-install: $(STATIC) $(SHARED) $(CL_STATIC) $(CL_SHARED) ## install the library under $(DESTDIR)$(PREFIX)
-	$(INSTALL) -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib
-	$(INSTALL) -m 644 include/htree.h $(DESTDIR)$(PREFIX)/include/
-	$(INSTALL) -m 644 $(STATIC) $(DESTDIR)$(PREFIX)/lib/
-	$(INSTALL) -m 755 $(SHARED) $(DESTDIR)$(PREFIX)/lib/
-	ln -sf libhtree.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/$(SONAME)
-	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/libhtree.so
-ifeq ($(HAVE_OPENCL),yes)
-	$(INSTALL) -m 644 include/htree_cl.h $(DESTDIR)$(PREFIX)/include/
-	$(INSTALL) -m 644 $(CL_STATIC) $(DESTDIR)$(PREFIX)/lib/
-	$(INSTALL) -m 755 $(CL_SHARED) $(DESTDIR)$(PREFIX)/lib/
-	ln -sf libhtree_cl.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libhtree_cl.so.0
-	ln -sf libhtree_cl.so.0 $(DESTDIR)$(PREFIX)/lib/libhtree_cl.so
-endif
-
-uninstall: ## remove what install put there
-	cd $(DESTDIR)$(PREFIX) && rm -f include/htree.h include/htree_cl.h lib/libhtree.a \
-	    lib/libhtree.so lib/$(SONAME) lib/libhtree.so.$(VERSION) lib/libhtree_cl.a \
-	    lib/libhtree_cl.so lib/libhtree_cl.so.0 lib/libhtree_cl.so.$(VERSION)
 
 print-packages:
 	@echo $(PACKAGES)

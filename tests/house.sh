@@ -182,7 +182,7 @@ no_writable_globals() {
 # ---- The sources --------------------------------------------------------------------------------------
 
 sources() {
-    find include lib tests examples bindings cl Makefile -type f \( -name '*.[ch]' -o -name '*.[ch]pp' -o -name '*.sh' -o -name '*.cl' \
+    find include lib tests examples bindings cl packaging Makefile -type f \( -name '*.[ch]' -o -name '*.[ch]pp' -o -name '*.sh' -o -name '*.cl' \
         -o -name '*.txt' -o -name '*.map' -o -name Makefile \) 2>/dev/null | grep -v '/out/'
 }
 
