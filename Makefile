@@ -287,7 +287,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
@@ -300,6 +300,7 @@ include bindings/bindings.mk
 
 # ---- Install --------------------------------------------------------------------------------------
 include packaging/install.mk
+include packaging/dist.mk
 
 # ---- House ----------------------------------------------------------------------------------------
 FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' '*.hpp' '*.cpp' 2>/dev/null)
@@ -314,8 +315,8 @@ deps: ## install the Debian packages that are missing
 print-packages:
 	@echo $(PACKAGES)
 
-clean: ## remove build/
-	rm -rf build
+clean: ## remove build/ and dist/
+	rm -rf build dist
 
 help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # run.sh CONFIG...: runs every test program of each config (release debug sanitize tsan coverage), two
-# at a time; and tests/NAME.sh for the words house, bench, kernels, oclgrind, arm and install. The last
-# line is `N passed, N failed`.
+# at a time; and tests/NAME.sh for every other word that it knows. The last line is `N passed, N
+# failed`.
 #
 # HTREE_TEST_SCALE, if set, replaces the scale of every config; JOBS replaces the number of programs
 # that run at once.
@@ -88,7 +88,7 @@ results=$(mktemp build/results.XXXXXX) || exit 1
 trap 'rm -f "$results"' EXIT
 for config in "$@"; do
     case $config in
-    house | bench | kernels | oclgrind | arm | install)
+    house | bench | kernels | oclgrind | arm | install | onefile)
         run_script "$config" "$results"
         continue
         ;;

@@ -1,0 +1,1 @@
+/* setjmp.h: cmocka wants it included, and WebAssembly has none. */
