@@ -287,7 +287,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile dist
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh

@@ -1,4 +1,24 @@
-# dist.mk: the library as one file. The Makefile of the root includes it.
+# dist.mk: the sources as one archive, and the library as one file. The Makefile of the root includes it.
+
+# ---- Archive --------------------------------------------------------------------------------------
+
+ARCHIVE := dist/libhtree-$(VERSION).tar.gz
+
+# What git knows, as it is here; the same bytes whoever packs it, from one commit.
+dist: ## the sources as an archive: dist/libhtree-$(VERSION).tar.gz
+	$(call say,TAR,$(ARCHIVE))
+	@mkdir -p dist
+	$(Q)git ls-files | LC_ALL=C sort | tar --create --file=- --files-from=- --owner=0 --group=0 \
+	    --numeric-owner --mtime=@$$(git log -1 --format=%ct) --mode=u+w,go=rX \
+	    --transform='s,^,libhtree-$(VERSION)/,' | gzip -9n >$(ARCHIVE)
+
+distcheck: dist ## unpack that archive elsewhere, build, test and install it there
+	$(Q)CC="$(CC)" sh tests/run.sh dist
+
+deb: dist ## Debian packages of that archive: dist/*.deb
+	$(Q)sh packaging/deb.sh $(VERSION)
+
+# ---- One file -------------------------------------------------------------------------------------
 
 LAYERED_SRC := $(foreach layer,base tree build trace,$(filter lib/$(layer)/%,$(LIB_SRC)))
 
@@ -34,4 +54,4 @@ $(B)/onefile/single_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
 
-.PHONY: amalgamation
+.PHONY: dist distcheck deb amalgamation
