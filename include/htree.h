@@ -58,7 +58,7 @@ enum {
     HTREE_ERROR_GEOMETRY = 4,  /* an index beyond the vertices; with HTREE_STRICT bad numbers too */
     HTREE_ERROR_CANCELLED = 5, /* the progress hook asked to stop */
     HTREE_ERROR_UNSUPPORTED = 6,  /* this build of the library lacks the kind that was asked for */
-    HTREE_ERROR_CORRUPT = 7,      /* htree_check found a broken tree */
+    HTREE_ERROR_CORRUPT = 7,      /* htree_check found a broken tree, htree_load broken bytes */
     HTREE_ERROR_NO_DEVICE = 8,    /* htree_cl.h: no OpenCL here, or no device of that name */
     HTREE_ERROR_DEVICE = 9,       /* htree_cl.h: a call to the device failed */
     HTREE_ERROR_DEVICE_LOST = 10, /* htree_cl.h: the device is gone, with all that was on it */
@@ -265,7 +265,8 @@ enum {
  * objects' boxes and callback given now; the tree stays where it is. From the first call on the tree
  * keeps the memory of its builds until htree_free.
  * Refit      for a mesh of as many triangles and objects. The tree is rebuilt where refitting cannot
- *            do: other kinds, a lazy or a compact tree, or other prims than before that can be hit.
+ *            do: other kinds, a lazy, a compact or a borrowed tree, or other prims than before that can
+ *            be hit.
  * quality    gets the expected cost of a ray now over that when the tree was built: 1 after a
  *            rebuild; from about 1.5 on rebuilding pays. NULL is allowed.
  * Threads    no query may be running on the tree.
@@ -313,6 +314,49 @@ HTREE_API htree_status htree_intersect(const htree *tree, const htree_ray *rays,
 /* Writes 1 for every ray that hits anything, else 0. Otherwise as htree_intersect, and faster. */
 HTREE_API htree_status htree_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
                                       uint8_t *occluded, const htree_query *query);
+
+/* ---- Files ---------------------------------------------------------------------------------- */
+
+/* Writes the tree as bytes into `file`, which has room for `size`, and how many they are into
+ * *bytes; with NULL for `file`, only how many. No other tree of the same mesh and options has other
+ * bytes. Objects are saved as their boxes. Any thread.
+ * Errors     ARGUMENT: a size that is too small; UNSUPPORTED for a lazy tree before htree_complete;
+ *            then nothing is written.
+ * NULL       file. */
+HTREE_API htree_status htree_save(const htree *tree, void *file, uint64_t size, uint64_t *bytes);
+
+/* Flags of htree_load_options. */
+enum {
+    HTREE_BORROW = 1 /* refer to the bytes of the file instead of copying them */
+};
+
+/* How to load. htree_load_options_init writes every default. */
+typedef struct htree_load_options {
+    uint32_t size;    /* sizeof(htree_load_options), written by htree_load_options_init */
+    uint32_t flags;   /* HTREE_BORROW */
+    uint32_t threads; /* of queries, as in htree_options */
+    uint32_t reserved;
+    htree_object_intersect intersect; /* of a tree that holds objects: as in htree_objects */
+    void *user;
+    htree_allocator allocator;
+    htree_tasks tasks;
+} htree_load_options;
+
+/* Writes the defaults into *options; size is sizeof(htree_load_options).
+ * Errors     ARGUMENT; then *options is as it was. */
+HTREE_API htree_status htree_load_options_init(htree_load_options *options, uint64_t size);
+
+/* Makes a tree of what htree_save wrote, `size` bytes and no more; the caller frees *out with
+ * htree_free. The hits are those of the tree that was saved. Any bytes may be given: a tree is
+ * returned only if htree_check passes it, and no more memory is taken than twice the file and 1 KiB.
+ * htree_update rebuilds such a tree with the defaults of its kind.
+ * With HTREE_BORROW the file, which may be mapped, lies at a multiple of 64 bytes, and stays as it
+ * is until htree_free or the first htree_update.
+ * Errors     ARGUMENT; CORRUPT; MEMORY; UNSUPPORTED: written by another version of the format, or
+ *            by a machine with another byte order. Then *out is NULL.
+ * NULL       options: the defaults, for a tree without objects. */
+HTREE_API htree_status htree_load(htree **out, const void *file, uint64_t size,
+                                  const htree_load_options *options);
 
 /* ---- Inspect -------------------------------------------------------------------------------- */
 

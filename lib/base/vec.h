@@ -63,6 +63,17 @@ HT_INLINE bool ht_box_touches(const htree_box *a, const htree_box *b) {
     return true;
 }
 
+HT_INLINE bool ht_point_is_valid(const float *p) {
+    return ht_magnitude(p[0]) <= HTREE_COORDINATE_MAX &&
+           ht_magnitude(p[1]) <= HTREE_COORDINATE_MAX && ht_magnitude(p[2]) <= HTREE_COORDINATE_MAX;
+}
+
+/* A box without an order of its planes contains nothing. */
+HT_INLINE bool ht_box_is_valid(const htree_box *box) {
+    return ht_point_is_valid(box->lo) && ht_point_is_valid(box->hi) && box->lo[0] <= box->hi[0] &&
+           box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2];
+}
+
 /* Half the surface area. Finite for coordinates up to HTREE_COORDINATE_MAX; 0 for an empty box. */
 HT_INLINE float ht_box_area(const htree_box *box) {
     const float x = ht_max(0, box->hi[0] - box->lo[0]);

@@ -127,7 +127,7 @@ htree_status ht_refit_verify(const htree *tree, const htree_mesh *mesh, bool *ca
     memset(s.bad, 0xff, sizeof s.bad);
     s.tree = tree;
     s.source = ht_source_of(mesh);
-    *can = tree->kind == HTREE_WIDE && !tree->lazy && tree->leaves &&
+    *can = tree->kind == HTREE_WIDE && !tree->lazy && tree->leaves && !tree->borrowed &&
            s.source.triangle_count == tree->triangle_count &&
            s.source.object_count == tree->object_count;
     if (!*can) return HTREE_OK;

@@ -5,7 +5,7 @@ typedef struct proof {
     const htree *tree;
     uint8_t *slot_seen; /* a bit per slot */
     uint8_t *prim_seen; /* a bit per prim */
-    uint64_t prims_seen;
+    uint64_t prims_seen, references;
 } proof;
 
 /* Cells of a divided space share the objects that reach into several; object hierarchies share
@@ -22,13 +22,6 @@ static bool mark(uint8_t *bits, uint32_t i) {
     return before;
 }
 
-static bool is_in_range(const ht_triangle *triangle) {
-    for (int i = 0; i < 9; ++i) {
-        if (!(ht_magnitude(triangle->v[i / 3][i % 3]) <= HTREE_COORDINATE_MAX)) return false;
-    }
-    return true;
-}
-
 /* The box of prim i of a leaf; empty if it cannot be hit: it was skipped, or is none. */
 static htree_box box_of(const htree *tree, const ht_node_view *view, uint32_t i) {
     const uint32_t prim = view->prims[i];
@@ -39,7 +32,7 @@ static htree_box box_of(const htree *tree, const ht_node_view *view, uint32_t i)
     }
     /* A refit may leave triangles without area in the leaves of a wide tree. */
     const ht_triangle t = ht_view_triangle(tree, view, i);
-    if (!is_in_range(&t)) return box;
+    if (!ht_triangle_is_valid(&t)) return box;
     if (!view->block && ht_triangle_is_degenerate(t.v[0], t.v[1], t.v[2])) return box;
     for (int k = 0; k < 3; ++k) ht_box_add_point(&box, t.v[k]);
     return box;
@@ -85,6 +78,12 @@ static htree_status check_node(void *data, const ht_place *place, const ht_node_
         p->prims_seen += view->prim_count;
         return HTREE_OK;
     }
+    /* Leaves that share references could make the proof take their product's time. */
+    p->references += view->prim_count;
+    if (is_space_divided(p->tree) && p->references > p->tree->ref_count) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "two leaves share references, one at slot %lu",
+                       (unsigned long)place->slot);
+    }
     /* Objects hang below a node only through its children, so boxes need proof at the leaves alone:
      * every traversal box on the way there contains the leaf's. */
     for (uint32_t i = 0; i < view->prim_count; ++i) HT_TRY(check_prim(p, place, view, i));
@@ -96,6 +95,11 @@ static htree_status run_proof(proof *p) {
     if (p->prims_seen != p->tree->prim_count) {
         return ht_fail(HTREE_ERROR_CORRUPT, "leaves refer to %llu of %lu prims",
                        (unsigned long long)p->prims_seen, (unsigned long)p->tree->prim_count);
+    }
+    if (is_space_divided(p->tree) && p->references != p->tree->ref_count) {
+        return ht_fail(HTREE_ERROR_CORRUPT, "%llu of %lu references are in no leaf",
+                       (unsigned long long)(p->tree->ref_count - p->references),
+                       (unsigned long)p->tree->ref_count);
     }
     return HTREE_OK;
 }
@@ -110,7 +114,7 @@ htree_status htree_check(const htree *tree) {
     ht_memory memory = {tree->memory.hook, 0, 0, NULL};
     const uint64_t slot_bytes = ht_slot_count(tree) / 8 + 1;
     const uint64_t prim_bytes = ((uint64_t)tree->triangle_count + tree->object_count) / 8 + 1;
-    proof p = {tree, NULL, NULL, 0};
+    proof p = {tree, NULL, NULL, 0, 0};
     p.slot_seen = (uint8_t *)ht_allocate(&memory, slot_bytes);
     p.prim_seen = (uint8_t *)ht_allocate(&memory, prim_bytes);
     htree_status status = HTREE_ERROR_MEMORY;

@@ -6,7 +6,7 @@ htree_status ht_tree_verify(const htree *tree) {
     return tree ? HTREE_OK : ht_fail(HTREE_ERROR_ARGUMENT, "tree is NULL");
 }
 
-static uint64_t slot_bytes(htree_kind kind) {
+uint64_t ht_slot_bytes(htree_kind kind) {
     switch (kind) {
     case HTREE_UG: return sizeof(ht_ug_node);
     case HTREE_KD: return sizeof(ht_kd_node);
@@ -18,12 +18,19 @@ static uint64_t slot_bytes(htree_kind kind) {
 }
 
 uint32_t ht_stack_limit(htree_kind kind) {
-    return kind == HTREE_WIDE ? HT_WIDE_STACK : HT_MAX_DEPTH;
+    /* A wide node's children are all pushed before one of them is taken. */
+    return kind == HTREE_WIDE ? HT_WIDE_STACK - 1 : HT_MAX_DEPTH;
+}
+
+bool ht_triangle_is_valid(const ht_triangle *triangle) {
+    return ht_point_is_valid(triangle->v[0]) && ht_point_is_valid(triangle->v[1]) &&
+           ht_point_is_valid(triangle->v[2]);
 }
 
 void ht_tree_release(htree *tree) {
     ht_memory *memory = &tree->memory;
     if (tree->lazy) tree->lazy->end(tree);
+    if (tree->borrowed) return;
     ht_release(memory, tree->nodes, tree->node_bytes);
     ht_release(memory, tree->refs, tree->ref_count * sizeof *tree->refs);
     ht_release(memory, tree->leaves, tree->leaf_count * sizeof *tree->leaves);
@@ -55,7 +62,7 @@ static htree_view view_tree(const htree *tree) {
     v.stack = tree->stack;
     v.triangles = (const float *)tree->triangles;
     v.nodes = tree->prim_count ? tree->nodes : NULL;
-    v.node_bytes = v.nodes ? tree->node_slots * slot_bytes(tree->kind) : 0;
+    v.node_bytes = v.nodes ? tree->node_slots * ht_slot_bytes(tree->kind) : 0;
     if (tree->refs) {
         v.leaves = tree->refs;
         v.leaf_bytes = tree->ref_count * sizeof *tree->refs;

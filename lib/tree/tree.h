@@ -59,6 +59,7 @@ struct htree {
     uint64_t invalid, degenerate;
     float cost_skd, cost_bv2, cost_bv6, cost_intersect;
     double build_seconds;
+    bool borrowed; /* the arrays are the caller's: htree_load with HTREE_BORROW */
 };
 
 /* Prims of a wide leaf: the lanes before the idle ones. */
@@ -78,6 +79,12 @@ void ht_expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf);
 
 HT_INLINE bool ht_is_compact(const htree *tree) {
     return tree->compact_leaves != NULL;
+}
+
+/* Whether there are the vertices that a compact leaf may refer to: any byte is the number of one. */
+HT_INLINE bool ht_has_vertices(const htree *tree, uint32_t leaf) {
+    return !ht_is_compact(tree) ||
+           (uint64_t)tree->compact_leaves[leaf].first + UINT8_MAX < tree->vertex_count;
 }
 
 /* The node or leaf to read: in the tree, or expanded into *room. */
@@ -102,7 +109,13 @@ HT_INLINE uint32_t ht_wide_resolve(const htree *tree, uint32_t child) {
     return child;
 }
 
-/* The stack that walks of the kind have. */
+/* False if a coordinate is NaN, infinite or oversize. */
+bool ht_triangle_is_valid(const ht_triangle *triangle);
+
+/* Bytes of a slot of the kind. */
+uint64_t ht_slot_bytes(htree_kind kind);
+
+/* What may wait on the stack that walks of the kind have. */
 uint32_t ht_stack_limit(htree_kind kind);
 
 /* Gives back all arrays, but not the tree itself. */

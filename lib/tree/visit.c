@@ -82,10 +82,12 @@ static bool view_h(const htree *tree, const ht_place *place, ht_node_view *view)
         view->role = HT_LINK;
         add_child(view, place, node->child, &place->box);
     } else if (type <= HT_H_BVO) {
-        const uint32_t planes = ht_plane_count(ht_h_bound_planes(node));
+        const uint32_t planes = ht_h_bound_planes(node);
         view->role = type == HT_H_BV6 ? HT_BV6 : type == HT_H_BVO ? HT_BVO : HT_BV2;
-        view->slots = planes > 3 ? 2 : 1;
-        if (planes == 0 || planes > 6 || view->slots > tree->node_slots - place->slot) return false;
+        view->slots = ht_plane_count(planes) > 3 ? 2 : 1;
+        if (planes == 0 || planes > HT_ALL_PLANES || view->slots > tree->node_slots - place->slot) {
+            return false;
+        }
         view_h_bound(node, place, view);
     } else {
         return false;
@@ -153,6 +155,12 @@ static uint32_t wide_slot(const htree *tree, uint32_t child) {
     return child < tree->node_slots ? child : HTREE_NONE;
 }
 
+/* The box of an idle lane, which would be met were it merely inside out by less than a pad. */
+static bool is_never_met(const float *lo, const float *hi) {
+    const htree_box empty = ht_box_empty();
+    return memcmp(lo, empty.lo, sizeof empty.lo) == 0 && memcmp(hi, empty.hi, sizeof empty.hi) == 0;
+}
+
 static bool view_wide(const htree *tree, const ht_place *place, ht_wide_leaf *leaf_room,
                       ht_node_view *view) {
     const uint32_t slots = tree->node_slots;
@@ -164,10 +172,7 @@ static bool view_wide(const htree *tree, const ht_place *place, ht_wide_leaf *le
     }
     if (place->slot >= slots) {
         const uint32_t index = place->slot - slots;
-        /* Any byte is the number of a vertex. */
-        if (ht_is_compact(tree) &&
-            (uint64_t)tree->compact_leaves[index].first + UINT8_MAX >= tree->vertex_count)
-            return false;
+        if (!ht_has_vertices(tree, index)) return false;
         return view_wide_leaf(tree, ht_wide_leaf_at(tree, index, leaf_room), view);
     }
     ht_wide_node room;
@@ -179,7 +184,7 @@ static bool view_wide(const htree *tree, const ht_place *place, ht_wide_leaf *le
         const float hi[3] = {node->hi[0][i], node->hi[1][i], node->hi[2][i]};
         const htree_box box = inside(place, lo, hi);
         if (node->child[i] == HT_WIDE_NONE) {
-            if (!(lo[0] > hi[0] && lo[1] > hi[1] && lo[2] > hi[2])) return false;
+            if (!is_never_met(lo, hi)) return false;
             continue;
         }
         if (slot == HTREE_NONE) return false;
