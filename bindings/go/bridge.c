@@ -38,6 +38,18 @@ void htree_go_call(htree_go_task task, void *data, uint32_t index) {
 
 /* ---- Calls from Go -------------------------------------------------------------------------- */
 
+static htree_tasks tasks_of(uint32_t which, uintptr_t hooks) {
+    const htree_tasks none = {NULL, NULL};
+    const htree_tasks tasks = {run_tasks, (void *)hooks};
+    return which & HTREE_GO_TASKS ? tasks : none;
+}
+
+static htree_allocator allocator_of(uint32_t which, uintptr_t hooks) {
+    const htree_allocator none = {NULL, NULL, NULL};
+    const htree_allocator allocator = {allocate, release, (void *)hooks};
+    return which & HTREE_GO_ALLOCATOR ? allocator : none;
+}
+
 htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *positions,
                             const uint32_t *indices, const htree_box *boxes, uint64_t box_count,
                             const htree_options *options, uint32_t which, uintptr_t hooks,
@@ -49,16 +61,26 @@ htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *po
     whole.positions = positions;
     whole.indices = indices;
     if (which & HTREE_GO_OBJECTS) whole.objects = &objects;
-    if (which & HTREE_GO_TASKS) {
-        const htree_tasks tasks = {run_tasks, (void *)hooks};
-        how.tasks = tasks;
-    }
-    if (which & HTREE_GO_ALLOCATOR) {
-        const htree_allocator allocator = {allocate, release, (void *)hooks};
-        how.allocator = allocator;
-    }
+    how.tasks = tasks_of(which, hooks);
+    how.allocator = allocator_of(which, hooks);
     how.progress = progress_of(progress);
     return htree_build(out, &whole, &how);
+}
+
+htree_status htree_go_load(htree **out, const void *file, uint64_t size, uint32_t threads,
+                           uint32_t which, uintptr_t hooks) {
+    htree_load_options options;
+    const htree_status status = htree_load_options_init(&options, sizeof options);
+    if (status != HTREE_OK) return status;
+    options.threads = threads;
+    options.tasks = tasks_of(which, hooks);
+    options.allocator = allocator_of(which, hooks);
+    if (which & HTREE_GO_OBJECTS) {
+        options.intersect = intersect_object;
+        options.user = (void *)hooks;
+    }
+    /* An empty slice has no address. */
+    return htree_load(out, file ? file : "", size, &options);
 }
 
 htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,

@@ -16,6 +16,9 @@ htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *po
                             const htree_options *options, uint32_t which, uintptr_t hooks,
                             uintptr_t progress);
 
+htree_status htree_go_load(htree **out, const void *file, uint64_t size, uint32_t threads,
+                           uint32_t which, uintptr_t hooks);
+
 htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
                                 htree_hit *hits, const htree_query *query, htree_counters *counters,
                                 uintptr_t progress);

@@ -13,10 +13,25 @@ type BuildOption interface{ applyBuild(*buildConfig) }
 // A QueryOption says how to query.
 type QueryOption interface{ applyQuery(*queryConfig) }
 
+// A LoadOption says how to load.
+type LoadOption interface{ applyLoad(*loadConfig) }
+
 // An Option is for builds and for queries.
 type Option interface {
 	BuildOption
 	QueryOption
+}
+
+// A TreeOption is for builds and for loads.
+type TreeOption interface {
+	BuildOption
+	LoadOption
+}
+
+// An AnyOption is for builds, loads and queries.
+type AnyOption interface {
+	Option
+	LoadOption
 }
 
 type buildConfig struct {
@@ -24,6 +39,11 @@ type buildConfig struct {
 	set    []func(*cOptions) // after the kind's defaults
 	hooks  hooks
 	report func(float64) bool
+}
+
+type loadConfig struct {
+	threads uint32
+	hooks   hooks
 }
 
 type queryConfig struct {
@@ -37,6 +57,16 @@ type buildOption func(*buildConfig)
 
 func (o buildOption) applyBuild(c *buildConfig) { o(c) }
 
+type loadOption func(*loadConfig)
+
+func (o loadOption) applyLoad(c *loadConfig) { o(c) }
+
+// A hookOption sets hooks of a tree, whether it is built or loaded.
+type hookOption func(*hooks)
+
+func (o hookOption) applyBuild(c *buildConfig) { o(&c.hooks) }
+func (o hookOption) applyLoad(c *loadConfig)   { o(&c.hooks) }
+
 type queryOption func(*queryConfig)
 
 func (o queryOption) applyQuery(c *queryConfig) { o(c) }
@@ -46,6 +76,8 @@ type threads uint32
 func (n threads) applyBuild(c *buildConfig) {
 	c.set = append(c.set, func(o *cOptions) { o.threads = C.uint32_t(n) })
 }
+
+func (n threads) applyLoad(c *loadConfig) { c.threads = uint32(n) }
 
 func (n threads) applyQuery(c *queryConfig) {
 	count := uint32(n)
@@ -57,9 +89,9 @@ type progressFunc func(float64) bool
 func (f progressFunc) applyBuild(c *buildConfig) { c.report = f }
 func (f progressFunc) applyQuery(c *queryConfig) { c.report = f }
 
-// WithThreads uses all cores for 0, the calling thread for 1, at most n for n. A build's threads are those
-// of its tree's queries too, unless they say otherwise.
-func WithThreads(n uint32) Option { return threads(n) }
+// WithThreads uses all cores for 0, the calling thread for 1, at most n for n. The threads of a
+// build or load are those of its tree's queries too, unless they say otherwise.
+func WithThreads(n uint32) AnyOption { return threads(n) }
 
 // WithProgress calls report with the share that is done, on the calling goroutine; false cancels the call.
 func WithProgress(report func(fraction float64) bool) Option { return progressFunc(report) }
@@ -114,13 +146,18 @@ func WithFewPrims(n uint32) BuildOption {
 // WithTasks runs parallel loops by a function of yours in place of the library's threads, for the build and
 // for the queries of its tree. run calls task(i) for every 0 <= i < count, from any goroutines, and
 // returns when all are done. What it leaves out is done after it; what it calls twice is done once.
-func WithTasks(run func(count uint32, task func(index uint32))) BuildOption {
-	return buildOption(func(c *buildConfig) { c.hooks.tasks = run })
+func WithTasks(run func(count uint32, task func(index uint32))) TreeOption {
+	return hookOption(func(h *hooks) { h.tasks = run })
 }
 
-// WithAllocator takes memory for the build and its tree from there.
-func WithAllocator(allocator Allocator) BuildOption {
-	return buildOption(func(c *buildConfig) { c.hooks.allocator = allocator })
+// WithAllocator takes memory for the build or the load and its tree from there.
+func WithAllocator(allocator Allocator) TreeOption {
+	return hookOption(func(h *hooks) { h.allocator = allocator })
+}
+
+// WithIntersect intersects the objects of a tree that is loaded: as Objects.Intersect does.
+func WithIntersect(intersect func(object uint32, ray Ray) (t, u, v float32, ok bool)) LoadOption {
+	return loadOption(func(c *loadConfig) { c.hooks.intersect = intersect })
 }
 
 // Costs are those of section 6.3 of the paper, in any common unit.

@@ -81,6 +81,20 @@ func rawBuild(out **cTree, mesh *cMesh, positions []float32, indices []uint32, b
 	})
 }
 
+func rawLoad(out **cTree, file []byte, threads uint32, hooks hookHandle) error {
+	return check(func() C.htree_status {
+		return C.htree_go_load(out, unsafe.Pointer(first[byte](file)), C.uint64_t(len(file)),
+			C.uint32_t(threads), C.uint32_t(hooks.which), C.uintptr_t(hooks.handle))
+	})
+}
+
+func rawSave(tree *cTree, file []byte, size *uint64) error {
+	return check(func() C.htree_status {
+		return C.htree_save(tree, unsafe.Pointer(first[byte](file)), C.uint64_t(len(file)),
+			(*C.uint64_t)(unsafe.Pointer(size)))
+	})
+}
+
 func rawFree(tree *cTree) {
 	C.htree_free(tree)
 }

@@ -89,6 +89,14 @@ export interface Options {
     progress?: Progress | null;
 }
 
+/** How to load. */
+export interface LoadOptions {
+    /** Of queries: 0 all cores, 1 the caller's, n at most n. */
+    threads?: number;
+    /** Of a tree with objects: as in UserObjects. */
+    intersect?: UserObjects['intersect'] | null;
+}
+
 /** Options with every default filled in. */
 export type FullOptions = Required<Omit<Options, 'kind' | 'progress'>> & { kind: KindName };
 
@@ -205,6 +213,11 @@ export class HTree {
     /** Builds a tree on a worker, from copies of the mesh's arrays where they are not shared. */
     static buildAsync(mesh: Mesh, options?: Omit<Options, 'progress'>): Promise<HTree>;
 
+    /** The tree that save wrote: the same hits. It copies the bytes. Whatever they are, what is
+     * returned has been proved. Throws HTreeError: CORRUPT, ARGUMENT, MEMORY, UNSUPPORTED. */
+    static load(
+        file: ArrayBufferView | ArrayBuffer | SharedArrayBuffer, options?: LoadOptions): HTree;
+
     /** These options with every default filled in; a preset becomes what it stands for. */
     static defaults(options?: Options): FullOptions;
 
@@ -229,6 +242,9 @@ export class HTree {
 
     /** Whether one ray hits anything. */
     occludedRay(org: Vector, dir: Vector, tmin?: number, tmax?: number): boolean;
+
+    /** The tree as bytes, for load; objects are saved as their boxes. */
+    save(): Uint8Array;
 
     /** Bounds of everything that can be hit; lo is Infinity, hi -Infinity if there is nothing. */
     bounds(): Box;

@@ -12,7 +12,8 @@ export type Struct = Record<string, unknown>;
 export const types: Readonly<Record<
     | 'htree_object_intersect' | 'htree_report' | 'htree_ray' | 'htree_hit' | 'htree_box'
     | 'htree_objects' | 'htree_mesh' | 'htree_progress' | 'htree_allocator' | 'htree_tasks'
-    | 'htree_options' | 'htree_query' | 'htree_stats' | 'htree_view', object>>;
+    | 'htree_options' | 'htree_load_options' | 'htree_query' | 'htree_stats' | 'htree_view',
+    object>>;
 
 export function htree_version(): number;
 export function htree_status_name(status: number): string;
@@ -29,6 +30,11 @@ export function htree_intersect(
     tree: Pointer, rays: Pointer, count: number, hits: Pointer, query: Struct | null): number;
 export function htree_occluded(
     tree: Pointer, rays: Pointer, count: number, occluded: Pointer, query: Struct | null): number;
+export function htree_save(
+    tree: Pointer, file: Pointer, size: number, bytes: [number | bigint | null] | null): number;
+export function htree_load_options_init(options: Struct | null, size: number): number;
+export function htree_load(
+    out: [bigint | null] | null, file: Pointer, size: number, options: Struct | null): number;
 export function htree_get_bounds(tree: Pointer, bounds: Struct | null): number;
 export function htree_get_stats(tree: Pointer, stats: Struct | null): number;
 export function htree_get_view(tree: Pointer, view: Struct | null): number;

@@ -21,6 +21,8 @@
 #include "htree/error.hpp"
 #include "htree/options.hpp"
 
+#include <vector>
+
 namespace ht {
 inline namespace HTREE_HPP_MODE {
 
@@ -100,6 +102,21 @@ class tree {
     }
     static outcome<tree> build(const mesh &from) HTREE_HPP_NOEXCEPT {
         return build(from, nullptr);
+    }
+
+    /* The tree that was saved. Whatever the bytes are, what is loaded has been proved. */
+    static outcome<tree> load(const void *file, std::uint64_t size,
+                              const load_options &how = load_options()) HTREE_HPP_NOEXCEPT {
+        if (!is_compatible(version(), header_version())) return refuse_library();
+        ::htree *handle = nullptr;
+        const htree_status s = ::htree_load(&handle, file, size, &how.raw());
+        return detail::settle(s, tree(handle));
+    }
+    static outcome<tree> load(const std::vector<unsigned char> &file,
+                              const load_options &how = load_options()) HTREE_HPP_NOEXCEPT {
+        /* Of no bytes there is no address, and they are no tree. */
+        static const unsigned char none = 0;
+        return load(file.empty() ? &none : file.data(), file.size(), how);
     }
 
     /* Twice is harmless. */
@@ -194,6 +211,24 @@ class tree {
     }
     outcome<ht::view> view() const && = delete;
 
+    /* The tree as bytes, for load; objects as their boxes. A vector that finds no memory throws. */
+    outcome<std::vector<unsigned char>> save() const {
+        std::vector<unsigned char> file;
+        std::uint64_t bytes = 0;
+        htree_status s = ::htree_save(handle_, nullptr, 0, &bytes);
+        if (s == HTREE_OK) {
+            file.resize(static_cast<std::size_t>(bytes));
+            s = ::htree_save(handle_, file.data(), bytes, &bytes);
+        }
+        return detail::settle(s, std::move(file));
+    }
+    /* Into room for `size` bytes; how many they are. With nullptr, only how many. */
+    outcome<std::uint64_t> save(void *file, std::uint64_t size) const HTREE_HPP_NOEXCEPT {
+        std::uint64_t bytes = 0;
+        const htree_status s = ::htree_save(handle_, file, size, &bytes);
+        return detail::settle(s, bytes);
+    }
+
     /* Proves the structure. */
     outcome<void> check() const HTREE_HPP_NOEXCEPT {
         return detail::settle(::htree_check(handle_));
@@ -201,16 +236,18 @@ class tree {
 
   private:
     static outcome<tree> build(const mesh &from, const htree_options *how) HTREE_HPP_NOEXCEPT {
-        if (!is_compatible(version(), header_version())) {
-            return detail::refuse<tree>(error(
-                status::unsupported, "the library that is linked has another ABI than htree.h"));
-        }
+        if (!is_compatible(version(), header_version())) return refuse_library();
         const htree_mesh whole = from.whole();
         ::htree *handle = nullptr;
         const htree_status s = ::htree_build(&handle, &whole, how);
         return detail::settle(s, tree(handle));
     }
 
+    static outcome<tree> refuse_library() HTREE_HPP_NOEXCEPT {
+        return detail::refuse<tree>(error(status::unsupported,
+                                          "the library that is linked has another ABI than "
+                                          "htree.h"));
+    }
     static outcome<void> refuse_counters() HTREE_HPP_NOEXCEPT {
         return detail::refuse<void>(error(status::argument, "fewer counters than rays"));
     }

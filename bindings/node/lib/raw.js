@@ -58,6 +58,16 @@ const htree_options = struct({
     tasks: htree_tasks,
     progress: htree_progress,
 });
+const htree_load_options = struct({
+    size: 'uint32_t',
+    flags: 'uint32_t',
+    threads: 'uint32_t',
+    reserved: 'uint32_t',
+    intersect: htree_object_intersect,
+    user: 'uintptr_t',
+    allocator: htree_allocator,
+    tasks: htree_tasks,
+});
 const htree_query = struct({
     size: 'uint32_t',
     flags: 'uint32_t',
@@ -108,8 +118,8 @@ const htree_view = struct({
 
 const types = {
     htree_object_intersect, htree_report, htree_ray, htree_hit, htree_box, htree_objects,
-    htree_mesh, htree_progress, htree_allocator, htree_tasks, htree_options, htree_query,
-    htree_stats, htree_view,
+    htree_mesh, htree_progress, htree_allocator, htree_tasks, htree_options,
+    htree_load_options, htree_query, htree_stats, htree_view,
 };
 
 // ---- Functions ---------------------------------------------------------------------------------
@@ -136,6 +146,11 @@ module.exports = {
         [tree, 'void *', 'uint64_t', 'void *', pointer(htree_query)]),
     htree_occluded: f('htree_occluded', status,
         [tree, 'void *', 'uint64_t', 'void *', pointer(htree_query)]),
+    htree_save: f('htree_save', status, [tree, 'void *', 'uint64_t', out('uint64_t')]),
+    htree_load_options_init: f('htree_load_options_init', status,
+        [inout(htree_load_options), 'uint64_t']),
+    htree_load: f('htree_load', status,
+        [out(tree), 'void *', 'uint64_t', pointer(htree_load_options)]),
     htree_get_bounds: f('htree_get_bounds', status, [tree, out(htree_box)]),
     htree_get_stats: f('htree_get_stats', status, [tree, inout(htree_stats)]),
     htree_get_view: f('htree_get_view', status, [tree, inout(htree_view)]),

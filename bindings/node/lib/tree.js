@@ -11,12 +11,13 @@ const { Batch } = require('./query');
 const { Hits } = require('./batches');
 const { Handle } = require('./handle');
 const inspect = require('./inspect');
+const files = require('./file');
 
 if (!Symbol.dispose) {
     Object.defineProperty(Symbol, 'dispose', { value: Symbol('Symbol.dispose') });
 }
 
-/** Only build knows it, so only build constructs. */
+/** Only build and load know it, so only they construct. */
 const BUILT = Symbol('built');
 const forgotten = new FinalizationRegistry((handle) => handle.close());
 
@@ -55,7 +56,7 @@ class HTree {
     #threads;
 
     constructor(built, handle, threads) {
-        if (built !== BUILT) throw new TypeError('HTree.build makes trees');
+        if (built !== BUILT) throw new TypeError('HTree.build and HTree.load make trees');
         this.#handle = handle;
         this.#threads = threads;
         forgotten.register(this, handle, this);
@@ -94,6 +95,11 @@ class HTree {
         return HTree.#of(build);
     }
 
+    static load(file, given = {}) {
+        const { pointer, key, threads } = files.load(file, given);
+        return new HTree(BUILT, new Handle(pointer, key), threads);
+    }
+
     static defaults(given = {}) { return options.defaults(given); }
 
     static calibrate(given = {}) { return options.calibrated(given); }
@@ -119,6 +125,8 @@ class HTree {
     occludedRay(org, dir, tmin = 0, tmax = Infinity) {
         return this.occluded(Float32Array.of(...org, tmin, ...dir, tmax))[0] !== 0;
     }
+
+    save() { return this.#handle.with(files.save); }
 
     bounds() { return this.#handle.with(inspect.bounds); }
 

@@ -22,6 +22,23 @@
 
 namespace ht {
 inline namespace HTREE_HPP_MODE {
+
+/* ---- Callbacks ------------------------------------------------------------------------------ */
+
+/* What a tasks hook is handed: calls task number i. */
+class task {
+  public:
+    task(void (*run)(void *, std::uint32_t), void *data) noexcept : run_(run), data_(data) {
+    }
+    void operator()(std::uint32_t i) const noexcept {
+        run_(data_, i);
+    }
+
+  private:
+    void (*run_)(void *, std::uint32_t);
+    void *data_;
+};
+
 namespace detail {
 
 template <class F> void *address(F &f) noexcept {
@@ -39,23 +56,50 @@ template <class F> htree_progress progress_of(F &f) noexcept {
     return htree_progress{thunk::report, address(f)};
 }
 
+template <class F> htree_tasks tasks_of(F &f) noexcept {
+    static_assert(HTREE_HPP_IS_NOEXCEPT(f(1u, std::declval<task>())),
+                  "tasks callbacks must be noexcept");
+    struct thunk {
+        static void run(void *user, std::uint32_t count, void (*one)(void *, std::uint32_t),
+                        void *data) noexcept {
+            (*static_cast<F *>(user))(count, task(one, data));
+        }
+    };
+    return htree_tasks{thunk::run, address(f)};
+}
+
+template <class A> htree_allocator allocator_of(A &a) noexcept {
+    static_assert(HTREE_HPP_IS_NOEXCEPT(a.allocate(1u, 1u)) &&
+                      HTREE_HPP_IS_NOEXCEPT(a.release(nullptr, 1u)),
+                  "allocate and release must be noexcept");
+    struct thunk {
+        static void *allocate(void *user, std::uint64_t bytes, std::uint64_t align) noexcept {
+            return static_cast<A *>(user)->allocate(bytes, align);
+        }
+        static void release(void *user, void *memory, std::uint64_t bytes) noexcept {
+            static_cast<A *>(user)->release(memory, bytes);
+        }
+    };
+    return htree_allocator{thunk::allocate, thunk::release, address(a)};
+}
+
+/* The function that stands for f, whose address is its user. */
+template <class F> htree_object_intersect intersect_of() noexcept {
+    static_assert(HTREE_HPP_IS_NOEXCEPT(
+                      std::declval<F &>()(0u, std::declval<const ray &>(), std::declval<hit &>())),
+                  "object callbacks must be noexcept");
+    struct thunk {
+        static std::int32_t intersect(void *user, std::uint32_t object, const ray *r,
+                                      hit *h) noexcept {
+            return (*static_cast<F *>(user))(object, *r, *h) ? 1 : 0;
+        }
+    };
+    return thunk::intersect;
+}
+
 } // namespace detail
 
 /* ---- Options -------------------------------------------------------------------------------- */
-
-/* What a tasks hook is handed: calls task number i. */
-class task {
-  public:
-    task(void (*run)(void *, std::uint32_t), void *data) noexcept : run_(run), data_(data) {
-    }
-    void operator()(std::uint32_t i) const noexcept {
-        run_(data_, i);
-    }
-
-  private:
-    void (*run_)(void *, std::uint32_t);
-    void *data_;
-};
 
 /* The defaults of a kind, and what is set after them. A number that is no kind is refused by
  * tree::build. */
@@ -118,32 +162,13 @@ class options {
 
     /* void f(uint32_t count, ht::task task): calls task(i) once for every i below count. */
     template <class F> options &tasks(F &f) noexcept {
-        static_assert(HTREE_HPP_IS_NOEXCEPT(f(1u, std::declval<task>())),
-                      "tasks callbacks must be noexcept");
-        struct thunk {
-            static void run(void *user, std::uint32_t count, void (*one)(void *, std::uint32_t),
-                            void *data) noexcept {
-                (*static_cast<F *>(user))(count, task(one, data));
-            }
-        };
-        raw_.tasks = htree_tasks{thunk::run, detail::address(f)};
+        raw_.tasks = detail::tasks_of(f);
         return *this;
     }
 
     /* void *a.allocate(uint64_t bytes, uint64_t alignment); void a.release(void *, uint64_t). */
     template <class A> options &allocator(A &a) noexcept {
-        static_assert(HTREE_HPP_IS_NOEXCEPT(a.allocate(1u, 1u)) &&
-                          HTREE_HPP_IS_NOEXCEPT(a.release(nullptr, 1u)),
-                      "allocate and release must be noexcept");
-        struct thunk {
-            static void *allocate(void *user, std::uint64_t bytes, std::uint64_t align) noexcept {
-                return static_cast<A *>(user)->allocate(bytes, align);
-            }
-            static void release(void *user, void *memory, std::uint64_t bytes) noexcept {
-                static_cast<A *>(user)->release(memory, bytes);
-            }
-        };
-        raw_.allocator = htree_allocator{thunk::allocate, thunk::release, detail::address(a)};
+        raw_.allocator = detail::allocator_of(a);
         return *this;
     }
 
@@ -166,6 +191,51 @@ class options {
     }
 
     htree_options raw_;
+};
+
+/* How tree::load loads. */
+class load_options {
+  public:
+    load_options() noexcept : raw_() {
+        ::htree_load_options_init(&raw_, sizeof raw_);
+    }
+
+    /* Of queries. */
+    load_options &threads(std::uint32_t n) noexcept {
+        raw_.threads = n;
+        return *this;
+    }
+    /* Refer to the bytes, which lie at a multiple of 64 and outlive the tree, instead of copying
+     * them. */
+    load_options &borrow(bool on = true) noexcept {
+        raw_.flags = on ? raw_.flags | HTREE_BORROW : raw_.flags & ~std::uint32_t(HTREE_BORROW);
+        return *this;
+    }
+
+    /* As in mesh and in options. */
+    template <class F> load_options &objects(F &f) noexcept {
+        raw_.intersect = detail::intersect_of<F>();
+        raw_.user = detail::address(f);
+        return *this;
+    }
+    template <class F> load_options &tasks(F &f) noexcept {
+        raw_.tasks = detail::tasks_of(f);
+        return *this;
+    }
+    template <class A> load_options &allocator(A &a) noexcept {
+        raw_.allocator = detail::allocator_of(a);
+        return *this;
+    }
+
+    htree_load_options &raw() noexcept {
+        return raw_;
+    }
+    const htree_load_options &raw() const noexcept {
+        return raw_;
+    }
+
+  private:
+    htree_load_options raw_;
 };
 
 /* ---- Mesh ----------------------------------------------------------------------------------- */
@@ -202,16 +272,7 @@ class mesh {
 
     /* bool f(uint32_t object, const ray &, hit &): see htree_object_intersect. */
     template <class F> mesh &objects(const box *boxes, std::uint64_t count, F &f) noexcept {
-        static_assert(
-            HTREE_HPP_IS_NOEXCEPT(f(0u, std::declval<const ray &>(), std::declval<hit &>())),
-            "object callbacks must be noexcept");
-        struct thunk {
-            static std::int32_t intersect(void *user, std::uint32_t object, const ray *r,
-                                          hit *h) noexcept {
-                return (*static_cast<F *>(user))(object, *r, *h) ? 1 : 0;
-            }
-        };
-        objects_ = htree_objects{boxes, count, thunk::intersect, detail::address(f)};
+        objects_ = htree_objects{boxes, count, detail::intersect_of<F>(), detail::address(f)};
         return *this;
     }
 

@@ -26,7 +26,7 @@ from ._errors import (
 )
 from ._hooks import Objects, Ray
 from ._options import Flag, Kind, Options, calibrate, kind_from_name, kind_name
-from ._tree import NONE, Hit, Hits, Stats, Tree, View, build
+from ._tree import NONE, Hit, Hits, Stats, Tree, View, build, load
 from .raw import lib as _lib
 
 __all__ = [
@@ -34,7 +34,7 @@ __all__ = [
     "Flag", "GeometryError", "Hit", "Hits", "Kind", "LimitError", "Objects", "Options",
     "OutOfMemory", "Ray", "Stats", "Status", "Tree", "Unsupported", "View", "build", "calibrate",
     "counters_dtype", "error_text", "hit_dtype", "kind_from_name", "kind_name", "lib_version",
-    "ray_dtype", "status_name",
+    "load", "ray_dtype", "status_name",
 ]  # fmt: skip
 
 __version__ = _version("htree")

@@ -67,7 +67,7 @@ class Unsupported(Error, NotImplementedError):
 
 
 class CorruptError(Error):
-    """`Tree.check` found a broken tree."""
+    """`Tree.check` found a broken tree, or `load` bytes that are none."""
 
 
 class DeviceError(Error):

@@ -110,9 +110,7 @@ class Objects:
         if array.ndim == 3 and array.shape[1:] == (2, 3):
             array = array.reshape(-1, 6)
         self.boxes: Array = np.ascontiguousarray(rows(array, np.float32, 6, "boxes"))
-        self.is_python = not isinstance(intersect, ffi.CData)
-        if self.is_python and not callable(intersect):
-            raise TypeError("intersect must be a function")
+        self.is_python = is_python_function(intersect)
         self.intersect = intersect
         self.user = user
 
@@ -121,13 +119,26 @@ class Objects:
         made = ffi.new("htree_objects *")
         made.boxes = ffi.cast("htree_box *", self.boxes.ctypes.data)
         made.count = len(self.boxes)
-        if self.is_python:
-            user = ffi.new_handle(self.intersect)
-            made.intersect, made.user = _intersect, user
-        else:
-            user = self.user
-            made.intersect, made.user = self.intersect, ffi.NULL if user is None else user
-        return made, [self, user]
+        return made, [self, intersect_into(made, self.intersect, self.user)]
+
+
+def is_python_function(intersect: Intersect | Any) -> bool:
+    """Whether it is one; else it is a C function. Anything else is refused."""
+    if isinstance(intersect, ffi.CData):
+        return False
+    if not callable(intersect):
+        raise TypeError("intersect must be a function")
+    return True
+
+
+def intersect_into(made: Any, intersect: Intersect | Any, user: Any = None) -> Any:
+    """Writes `intersect` and `user` into a C struct; what it returns must live as long."""
+    if is_python_function(intersect):
+        user = ffi.new_handle(intersect)
+        made.intersect, made.user = _intersect, user
+    else:
+        made.intersect, made.user = intersect, ffi.NULL if user is None else user
+    return user
 
 
 def _on_intersect(user: Any, object: int, ray: Any, hit: Any) -> int:

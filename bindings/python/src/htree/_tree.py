@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import weakref
 from functools import cached_property
+from mmap import mmap
 from types import TracebackType
 from typing import Any, NamedTuple, NoReturn
 
@@ -154,7 +155,7 @@ class Tree:
         self.close()
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError("a Tree cannot be pickled or copied: build it again from its mesh")
+        raise TypeError("a Tree cannot be pickled or copied: save it, or build it again")
 
     def __repr__(self) -> str:
         if self.closed:
@@ -263,6 +264,17 @@ class Tree:
         start = _arrays.pointer("htree_ray *", rays)
         call.run(function, owner.pointer, start, rays.size, address, query)
 
+    # ---- Files ----------------------------------------------------------------------------------
+
+    def save(self) -> bytes:
+        """The tree as bytes, for `htree.load`. Objects are saved as their boxes."""
+        owner = self._open()
+        size = ffi.new("uint64_t *")
+        check(lib.htree_save(owner.pointer, ffi.NULL, 0, size))
+        file = bytearray(size[0])
+        check(lib.htree_save(owner.pointer, ffi.from_buffer(file), len(file), size))
+        return bytes(file)
+
     # ---- Inspect --------------------------------------------------------------------------------
 
     @property
@@ -368,3 +380,40 @@ def build(
         lib.htree_free(out[0])  # there is one where a hook raised and the library went on
         raise
     return Tree(_Owner(out[0], keep), options, objects is not None and objects.is_python)
+
+
+def load(
+    file: bytes | bytearray | memoryview | mmap | NDArray[np.uint8],
+    *,
+    threads: int = 0,
+    intersect: _hooks.Intersect | Any = None,
+    user: Any = None,
+    borrow: bool = False,
+) -> Tree:
+    """The tree that `Tree.save` wrote: the same hits. Whatever the bytes are, what is returned has
+    been proved; htree.CorruptError says that they are no tree.
+
+    file        bytes, or anything with a buffer of bytes
+    threads     of queries: 0 all cores, 1 this thread, n at most n
+    intersect   of a tree with objects: as in htree.Objects, and so is `user`
+    borrow      refer to the bytes, a mapped file's perhaps, instead of copying them. They lie at a
+                multiple of 64, stay as they are, and are kept alive by the tree
+    """
+    made = ffi.new("htree_load_options *")
+    check(lib.htree_load_options_init(made, ffi.sizeof("htree_load_options")))
+    made.threads = threads
+    made.flags = lib.HTREE_BORROW if borrow else 0
+    keep: list[Any] = []
+    if intersect is not None:
+        keep.append(_hooks.intersect_into(made, intersect, user))
+    data = ffi.from_buffer(file)
+    if borrow:
+        keep.append(data)
+    out = ffi.new("htree **")
+    _hooks.Call().run(lib.htree_load, out, data, len(data), made)
+    owner = _Owner(out[0], keep)
+    stats = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
+    check(lib.htree_get_stats(owner.pointer, stats))
+    options = Options(Kind(kind_name(stats.kind)), threads=threads)
+    one_thread = intersect is not None and _hooks.is_python_function(intersect)
+    return Tree(owner, options, one_thread)

@@ -184,6 +184,22 @@ pub struct htree_options {
     pub progress: htree_progress,
 }
 
+pub const HTREE_BORROW: u32 = 1;
+
+/// How to load; `htree_load_options_init` writes every default.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct htree_load_options {
+    pub size: u32,
+    pub flags: u32,
+    pub threads: u32,
+    pub reserved: u32,
+    pub intersect: htree_object_intersect,
+    pub user: *mut c_void,
+    pub allocator: htree_allocator,
+    pub tasks: htree_tasks,
+}
+
 // ---- Trees ---------------------------------------------------------------------------------------
 
 /// A finished tree, seen by its address only.
@@ -298,6 +314,20 @@ extern "C" {
         count: u64,
         occluded: *mut u8,
         query: *const htree_query,
+    ) -> htree_status;
+
+    pub fn htree_save(
+        tree: *const htree,
+        file: *mut c_void,
+        size: u64,
+        bytes: *mut u64,
+    ) -> htree_status;
+    pub fn htree_load_options_init(options: *mut htree_load_options, size: u64) -> htree_status;
+    pub fn htree_load(
+        out: *mut *mut htree,
+        file: *const c_void,
+        size: u64,
+        options: *const htree_load_options,
     ) -> htree_status;
 
     pub fn htree_get_bounds(tree: *const htree, bounds: *mut htree_box) -> htree_status;

@@ -24,6 +24,7 @@
 #![warn(missing_debug_implementations)]
 
 mod error;
+mod file;
 mod hooks;
 mod mesh;
 mod options;
@@ -33,6 +34,7 @@ mod tree;
 mod view;
 
 pub use error::{Error, ErrorKind, Result};
+pub use file::LoadOptions;
 pub use hooks::{Allocator, Tasks};
 pub use htree_sys as sys;
 pub use mesh::{Intersect, Mesh, ObjectHit, Objects};

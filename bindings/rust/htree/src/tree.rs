@@ -105,6 +105,12 @@ impl Tree {
         result.map(|()| tree.expect("C gives a tree or an error"))
     }
 
+    /// A tree that C has given.
+    pub(crate) fn from_raw(tree: *mut sys::htree, threads: u32, hooks: Arc<Hooks>) -> Self {
+        let tree = NonNull::new(tree).expect("C gives a tree or an error");
+        Self { tree, threads, hooks }
+    }
+
     /// Writes the closest hit of every ray: `hits[i]` of `rays[i]`. Spreads a large batch over cores.
     ///
     /// ```

@@ -33,6 +33,12 @@ final class Direct {
         return isReadable(slice, ints.order()) ? slice : copy(slice);
     }
 
+    /** The bytes from position to limit: themselves if C can read them, else a copy. */
+    static ByteBuffer of(ByteBuffer bytes) {
+        ByteBuffer slice = bytes.slice();
+        return slice.isDirect() ? slice : bytes(slice.remaining()).put(slice).flip();
+    }
+
     private static FloatBuffer copy(FloatBuffer floats) {
         return bytes(4L * floats.remaining()).asFloatBuffer().put(floats).flip();
     }

@@ -2,6 +2,7 @@
 package org.htree;
 
 import com.sun.jna.Pointer;
+import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.lang.ref.Cleaner;
 import java.lang.ref.Reference;
@@ -70,6 +71,61 @@ public final class HTree implements AutoCloseable {
         }
         HTreeException.check(status);
         return new HTree(new Handle(out.getValue(), objects));
+    }
+
+    /**
+     * Loads what {@link #save} wrote, a tree without objects.
+     *
+     * @param file its bytes, from position to limit
+     * @return the tree, to be closed
+     * @throws HTreeException CORRUPT, MEMORY, UNSUPPORTED
+     */
+    public static HTree load(ByteBuffer file) {
+        return load(file, 0, null);
+    }
+
+    /**
+     * Loads what {@link #save} wrote: the same hits. Whatever the bytes are, what is returned has
+     * been proved.
+     *
+     * @param file its bytes, from position to limit; copied
+     * @param threads of queries: 0 all cores, 1 the caller's, n at most n
+     * @param intersector of the tree's objects, or null if it has none; kept as long as the tree
+     * @return the tree, to be closed
+     * @throws HTreeException ARGUMENT, CORRUPT, MEMORY, UNSUPPORTED
+     */
+    public static HTree load(ByteBuffer file, int threads, ObjectIntersector intersector) {
+        ByteBuffer bytes = Direct.of(file);
+        ObjectCallback objects = intersector == null ? null : new ObjectCallback(intersector);
+        Structs.LoadOptions options = new Structs.LoadOptions();
+        HTreeException.check(LibHTree.htree_load_options_init(options, options.size()));
+        options.threads = Query.requireThreads(threads);
+        options.intersect = objects;
+        PointerByReference out = new PointerByReference();
+        int status;
+        try {
+            status = LibHTree.htree_load(
+                    out, Direct.address(bytes), bytes.remaining(), options);
+        } finally {
+            Reference.reachabilityFence(bytes);
+        }
+        HTreeException.check(status);
+        return new HTree(new Handle(out.getValue(), objects));
+    }
+
+    /**
+     * The tree as bytes, for {@link #load}; objects are saved as their boxes.
+     *
+     * @return a direct buffer
+     * @throws IllegalArgumentException if they exceed the 2 GiB of a Java buffer
+     * @throws IllegalStateException if the tree is closed
+     */
+    public ByteBuffer save() {
+        LongByReference size = new LongByReference();
+        inspect(tree -> LibHTree.htree_save(tree, null, 0, size));
+        ByteBuffer file = Direct.bytes(size.getValue());
+        inspect(tree -> LibHTree.htree_save(tree, Direct.address(file), file.capacity(), size));
+        return file;
     }
 
     /**

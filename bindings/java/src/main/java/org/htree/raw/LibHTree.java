@@ -3,6 +3,7 @@ package org.htree.raw;
 
 import com.sun.jna.Native;
 import com.sun.jna.Pointer;
+import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 
 /**
@@ -138,6 +139,39 @@ public final class LibHTree {
      */
     public static native int htree_occluded(
             Pointer tree, Pointer rays, long count, Pointer occluded, Structs.Query query);
+
+    /**
+     * Writes a tree as bytes.
+     *
+     * @param tree to save
+     * @param file room for {@code size} bytes, or null
+     * @param size of the room
+     * @param bytes gets how many they are
+     * @return a status
+     */
+    public static native int htree_save(
+            Pointer tree, Pointer file, long size, LongByReference bytes);
+
+    /**
+     * Writes the defaults of a load.
+     *
+     * @param options to write
+     * @param size of the struct
+     * @return a status
+     */
+    public static native int htree_load_options_init(Structs.LoadOptions options, long size);
+
+    /**
+     * Makes a tree of bytes.
+     *
+     * @param out gets the tree
+     * @param file the bytes
+     * @param size how many
+     * @param options or null
+     * @return a status
+     */
+    public static native int htree_load(
+            PointerByReference out, Pointer file, long size, Structs.LoadOptions options);
 
     /**
      * Bounds of what can be hit.

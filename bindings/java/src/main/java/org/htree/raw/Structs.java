@@ -244,6 +244,39 @@ public final class Structs {
         public Options() {}
     }
 
+    /** {@code htree_load_options}. */
+    @FieldOrder({
+        "size", "flags", "threads", "reserved", "intersect", "user", "allocator", "tasks"
+    })
+    public static class LoadOptions extends Structure {
+        /** Bytes of the struct. */
+        public int size;
+
+        /** {@code HTREE_BORROW}. */
+        public int flags;
+
+        /** Threads of queries. */
+        public int threads;
+
+        /** Zero. */
+        public int reserved;
+
+        /** The test of objects, which must stay reachable as long as the tree. */
+        public ObjectIntersect intersect;
+
+        /** Handed to {@code intersect}. */
+        public Pointer user;
+
+        /** Memory. */
+        public Allocator allocator;
+
+        /** Threads. */
+        public Tasks tasks;
+
+        /** A zeroed struct. */
+        public LoadOptions() {}
+    }
+
     /** {@code htree_query}. */
     @FieldOrder({"size", "flags", "threads", "reserved", "counters", "progress"})
     public static class Query extends Structure {
