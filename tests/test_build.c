@@ -269,6 +269,16 @@ static void the_tree_keeps_no_pointer_into_the_mesh(void **state) {
     shape_free(&s);
 }
 
+/* As the mesh of objects alone may be made from one of triangles. */
+static void vertices_that_no_triangle_needs_may_be_missing(void **state) {
+    (void)state;
+    for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
+        htree_mesh mesh = plain_mesh(NULL, 0);
+        mesh.vertex_count = 1000;
+        htree_free(tree_of_kind(&mesh, kind));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_size_up_to_1024_equals_oracle),
@@ -279,6 +289,7 @@ int main(void) {
         cmocka_unit_test(the_largest_coordinate_is_valid),
         cmocka_unit_test(strides_and_indices_do_not_matter),
         cmocka_unit_test(the_tree_keeps_no_pointer_into_the_mesh),
+        cmocka_unit_test(vertices_that_no_triangle_needs_may_be_missing),
     };
     return cmocka_run_group_tests_name("build", tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ ht_source ht_source_of(const htree_mesh *mesh) {
     ht_source source;
     source.positions = (const char *)mesh->positions;
     source.stride = mesh->position_stride ? mesh->position_stride : 12;
-    source.vertex_count = mesh->vertex_count;
+    source.vertex_count = mesh->positions ? mesh->vertex_count : 0;
     source.indices = mesh->indices;
     source.triangle_count = (uint32_t)mesh->triangle_count;
     source.object_count = objects ? (uint32_t)objects->count : 0;
