@@ -145,7 +145,8 @@ $(B)/examples/%.o: examples/%.c Makefile
 $(B)/tests/%.o: tests/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib $(PART_CPP) -Itests/common -Itests/mock \
+	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) -Ilib $(PART_CPP) -Itests/common -Itests/fuzz \
+	    -Itests/mock \
 	    $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # ---- Link -----------------------------------------------------------------------------------------
@@ -188,7 +189,7 @@ $(B)/htree-bench: MORE_LIBS := $(EMBREE_LIBS)
 
 # Of the examples, tests link what needs nothing but libc and libm.
 TEST_EXAMPLE_SRC := $(sort $(wildcard examples/bart/*.c)) examples/picture/camera.c \
-    $(patsubst %,examples/mesh/%.c,decimal shapes subdivide)
+    $(patsubst %,examples/mesh/%.c,decimal ply ply_header shapes subdivide)
 $(CL_TESTS): $(B)/tests/%: $(B)/tests/%.o $(call obj,$(TEST_CL_COMMON_SRC)) \
     $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(CL_STATIC) $(STATIC)
 	$(call say,LINK,$@)
@@ -226,9 +227,12 @@ $(MOCK_TESTS): $(B)/tests/%: $(B)/tests/%.o $(call obj,$(patsubst %,tests/mock/%
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -Wl,-rpath,'$$ORIGIN/mock' -Wl,--wrap=htree_intersect -o $@ $^ -lcmocka -lm -lpthread -ldl
 
+FUZZ_SRC := $(filter-out %/libfuzzer.c,$(sort $(wildcard tests/fuzz/*.c)))
+$(B)/tests/test_fuzz: $(call obj,$(FUZZ_SRC))
+
 $(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
+	$(Q)$(CC) $(LINK) -o $@ $(filter %.o %.a,$^) -lcmocka -lm -lpthread
 
 # ---- Run ------------------------------------------------------------------------------------------
 OUT := $(B)/out
@@ -291,6 +295,21 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
+
+# All sources in one go, by clang, in a folder of their own.
+FUZZ_TARGETS := ply aff tree scene api
+FUZZ := $(patsubst %,build/fuzz/fuzz_%,$(FUZZ_TARGETS))
+FUZZ_ALL_SRC := $(FUZZ_SRC) $(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC) $(LIB_SRC)
+build/fuzz/fuzz_%: tests/fuzz/libfuzzer.c $(FUZZ_ALL_SRC) $(wildcard lib/*/*.h lib/*/*/*.h include/*.h tests/*/*.h)
+	$(call say,FUZZ,$@)
+	@mkdir -p $(@D)
+	$(Q)$(CLANG) -std=c99 -ffp-contract=off -O1 -g -fsanitize=fuzzer,address,undefined,float-cast-overflow \
+	    -fno-sanitize-recover=all $(OURS_CPP:-M%=) $(POSIX) -Ilib $(PART_CPP) -Itests/common -Itests/fuzz \
+	    -DFUZZ_TARGET=fuzz_$* -o $@ $(filter %.c,$^) -lcmocka -lm -lpthread
+
+.PHONY: fuzz
+fuzz: $(FUZZ) ## fuzz every reader, tree files, scenes and calls by libFuzzer, SECONDS=60 each
+	$(Q)sh tests/fuzz.sh build/fuzz $(or $(SECONDS),60) $(TARGETS)
 
 layers: ## check the include law and the map of lib/README.md
 	$(Q)sh tests/layers.sh
