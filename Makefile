@@ -232,7 +232,14 @@ $(B)/tests/test_fuzz: $(call obj,$(FUZZ_SRC))
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LINK) -o $@ $(filter %.o %.a,$^) -lcmocka -lm -lpthread
+	$(Q)$(CC) $(LINK) $(WRAP) -o $@ $(filter %.o %.a,$^) -lcmocka -lm -lpthread
+
+# Threads that cannot be started.
+$(B)/tests/test_threads: WRAP := -Wl,--wrap=pthread_create
+
+$(B)/soak: $(B)/tests/soak.o $(call obj,$(FUZZ_SRC) $(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
 
 # ---- Run ------------------------------------------------------------------------------------------
 OUT := $(B)/out
@@ -310,6 +317,14 @@ build/fuzz/fuzz_%: tests/fuzz/libfuzzer.c $(FUZZ_ALL_SRC) $(wildcard lib/*/*.h l
 .PHONY: fuzz
 fuzz: $(FUZZ) ## fuzz every reader, tree files, scenes and calls by libFuzzer, SECONDS=60 each
 	$(Q)sh tests/fuzz.sh build/fuzz $(or $(SECONDS),60) $(TARGETS)
+
+.PHONY: soak mutants
+soak: $(B)/soak ## the tests with new seeds for HOURS=2, going on where the last soak ended; log in build/soak
+	@mkdir -p build/soak
+	$(Q)$(B)/soak build/soak $$(($(or $(HOURS),2) * 3600))
+
+mutants: ## tests of the tests: known bugs are put in one by one, and must be caught
+	$(Q)sh tests/mutants.sh $(MUTANTS)
 
 layers: ## check the include law and the map of lib/README.md
 	$(Q)sh tests/layers.sh

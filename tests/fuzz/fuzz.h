@@ -33,6 +33,28 @@ uint32_t fuzz_u32(fuzz_bytes *b);
 /* Any bits; or, for a grid above 0, a multiple of 1 / grid in [-8, 8), from one byte. */
 float fuzz_float(fuzz_bytes *b, int grid);
 
+/* ---- Without libFuzzer ---------------------------------------------------------------------- */
+
+enum { FUZZ_MOST_SEEDS = 200, FUZZ_MOST_BYTES = 1 << 16 };
+
+typedef struct fuzz_corpus {
+    uint8_t *bytes[FUZZ_MOST_SEEDS];
+    size_t size[FUZZ_MOST_SEEDS];
+    uint32_t count;
+} fuzz_corpus;
+
+/* The seeds of a target. */
+void fuzz_corpus_make(fuzz_corpus *c, const fuzz_target *target);
+void fuzz_corpus_free(fuzz_corpus *c);
+
+/* One of the seeds with bytes changed, cut, repeated, or continued with another one: written to `out`,
+ * which has room for FUZZ_MOST_BYTES. */
+struct dice;
+size_t fuzz_mutate(const fuzz_corpus *c, struct dice *d, uint8_t *out);
+
+/* Runs the target on bytes in memory of just their size, for AddressSanitizer. */
+void fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t size);
+
 /* A file that holds the bytes, overwritten by the next call. */
 const char *fuzz_file(const char *name, const uint8_t *bytes, size_t size);
 
