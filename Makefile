@@ -15,7 +15,7 @@ WARN := -pedantic -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wc++
 ifdef WERROR
 WARN += -Werror
 endif
-OPT_release := -O3 -DNDEBUG -fstack-protector-strong
+OPT_release := -O3 -DNDEBUG -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 OPT_debug := -O1 -g
 OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 OPT_tsan := -O1 -g -fsanitize=thread
@@ -325,6 +325,11 @@ soak: $(B)/soak ## the tests with new seeds for HOURS=2, going on where the last
 
 mutants: ## tests of the tests: known bugs are put in one by one, and must be caught
 	$(Q)sh tests/mutants.sh $(MUTANTS)
+
+.PHONY: coverage
+coverage: ## lines and branches of lib/ that the tests run; what they do not lies in build/coverage/uncovered
+	$(Q)$(MAKE) --no-print-directory config=coverage tests
+	$(Q)sh tests/coverage.sh
 
 layers: ## check the include law and the map of lib/README.md
 	$(Q)sh tests/layers.sh

@@ -179,6 +179,17 @@ no_writable_globals() {
     [ -z "$found" ] || { echo "$1 has writable globals:" $found; return 1; }
 }
 
+# The table of addresses is read-only after loading, the stack is not executable, arrays on the stack and
+# the calls of libc that know their size are guarded.
+is_hardened() {
+    readelf -dW "$1" | grep -q BIND_NOW || { echo "$1 binds lazily"; return 1; }
+    readelf -lW "$1" | grep -q GNU_RELRO || { echo "$1 has no RELRO"; return 1; }
+    readelf -lW "$1" | grep GNU_STACK | grep -q ' RW ' || { echo "$1 has an executable stack"; return 1; }
+    for guard in __stack_chk_fail __vsnprintf_chk; do
+        nm -D --undefined-only "$1" | grep -q "$guard" || { echo "$1 lacks $guard"; return 1; }
+    done
+}
+
 # ---- The sources --------------------------------------------------------------------------------------
 
 sources() {
@@ -236,12 +247,14 @@ if [ -f "$static" ] && [ -f "$shared" ]; then
     rule abi-is-as-committed abi_is_as_committed htree.h "$shared" tests/abi.txt
     rule nothing-exits-or-prints nothing_exits_or_prints "$shared"
     rule needs-libc-only needs_libc_only "$shared" none
+    rule is-hardened is_hardened "$shared"
     rule no-writable-globals no_writable_globals "$static"
 fi
 if has_opencl; then
     rule only-htree-cl-is-exported only_ours_is_exported "$shared_cl" htree_cl_
     rule abi-of-cl-is-as-committed abi_is_as_committed htree_cl.h "$shared_cl" tests/abi_cl.txt
     rule nothing-of-cl-exits-or-prints nothing_exits_or_prints "$shared_cl"
+    rule cl-is-hardened is_hardened "$shared_cl"
     rule cl-needs-htree-and-libc-only needs_libc_only "$shared_cl" 'libhtree|libdl'
     rule no-writable-globals-of-cl no_writable_globals "$static_cl"
 fi
