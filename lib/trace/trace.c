@@ -2,6 +2,7 @@
  * ray's way from the caller's bytes to the walk of the tree's kind. */
 #include "trace.h"
 #include "base/sized.h"
+#include "coherence.h"
 
 static const struct {
     htree_kind kind;
@@ -27,6 +28,17 @@ static const ht_block_walks *find_block_walks(const htree *tree) {
 #endif
 #ifdef HT_ARM
     if (tree->kind == HTREE_WIDE && tree->isa == HT_NEON) return &ht_wide_neon_walks;
+#endif
+    (void)tree;
+    return NULL;
+}
+
+/* NULL: rays that agree with their neighbours go as the others do. */
+static const ht_tile_walks *find_tile_walks(const htree *tree) {
+#ifdef HT_X86
+    if (tree->kind != HTREE_WIDE || tree->object_count) return NULL;
+    if (tree->isa == HT_AVX512) return &ht_packet_avx512_walks;
+    if (tree->isa == HT_AVX2) return &ht_packet_avx2_walks;
 #endif
     (void)tree;
     return NULL;
@@ -58,6 +70,8 @@ typedef struct batch {
     const htree *tree;
     ht_walk *walk;
     ht_block_walk *block_walk; /* if there is one for this tree, on this machine */
+    ht_tile_walk *tile_walk;   /* if there is one, and the rays are coherent: by */
+    ht_rows rows;              /* these */
     const htree_ray *rays;
     uint64_t count;
     uint32_t block;
@@ -93,6 +107,32 @@ static void trace_block(void *data, uint32_t index) {
     ht_progress_step(&b->progress, end - first);
 }
 
+/* ---- A batch of coherent rays --------------------------------------------------------------- */
+
+enum { STRIP = 512 }; /* rays of a row a task */
+
+static uint64_t strips_across(const batch *b) {
+    return (b->rows.row + b->block - 1) / b->block;
+}
+
+static void trace_strip(void *data, uint32_t index) {
+    batch *b = (batch *)data;
+    const ht_rows *rows = &b->rows;
+    const uint64_t across = strips_across(b);
+    const uint64_t left = index % across * b->block, top = index / across * rows->height;
+    const uint64_t right = rows->row - left, below = rows->count - top;
+    const uint64_t first = top * rows->row + left;
+    const ht_tile tile = {b->rays + first,
+                          rows->row,
+                          right < b->block ? (uint32_t)right : b->block,
+                          below < rows->height ? (uint32_t)below : rows->height,
+                          b->hits ? b->hits + first : NULL,
+                          b->occluded ? b->occluded + first : NULL};
+    if (!ht_progress_step(&b->progress, 0)) return;
+    b->tile_walk(b->tree, &tile);
+    ht_progress_step(&b->progress, (uint64_t)tile.width * tile.height);
+}
+
 static htree_status read_query(const htree *tree, const htree_query *given, htree_query *query) {
     HT_TRY(htree_query_init(query, sizeof *query));
     query->threads = tree->threads;
@@ -103,13 +143,34 @@ static htree_status read_query(const htree *tree, const htree_query *given, htre
     return HTREE_OK;
 }
 
-static htree_status run_batch(batch *b, const htree_query *query) {
+/* All rays in whole rows. Returns how many they are. */
+static uint64_t run_strips(batch *b, uint32_t threads) {
+    const uint64_t down = (b->rows.count + b->rows.height - 1) / b->rows.height;
+    for (b->block = STRIP; strips_across(b) * down >= UINT32_MAX / 4;) b->block *= 2;
+    ht_parallel_for(&b->tree->tasks, threads, (uint32_t)(strips_across(b) * down), trace_strip, b);
+    return b->rows.row * b->rows.count;
+}
+
+static void run_blocks(batch *b, uint32_t threads) {
     uint64_t block = BLOCK;
     while (b->count / block >= UINT32_MAX / 4) block *= 2;
     b->block = (uint32_t)block;
     const uint32_t blocks = (uint32_t)((b->count + block - 1) / block);
+    ht_parallel_for(&b->tree->tasks, threads, blocks, trace_block, b);
+}
+
+static htree_status run_batch(batch *b, const htree_query *query) {
     ht_progress_begin(&b->progress, &query->progress, b->count);
-    ht_parallel_for(&b->tree->tasks, query->threads, blocks, trace_block, b);
+    if (b->tile_walk)
+        b->rows = ht_find_rows(b->rays, b->count, &b->tree->bounds, b->tree->prim_count);
+    if (b->rows.row) {
+        const uint64_t done = run_strips(b, query->threads);
+        b->rays += done;
+        b->count -= done;
+        if (b->hits) b->hits += done;
+        if (b->occluded) b->occluded += done;
+    }
+    run_blocks(b, query->threads);
     if (b->progress.cancelled)
         return ht_fail(HTREE_ERROR_CANCELLED, "the progress hook cancelled the query");
     return HTREE_OK;
@@ -127,8 +188,14 @@ static htree_status trace_batch(const htree *tree, const htree_ray *rays, uint64
     if (count > UINT64_MAX / sizeof *rays)
         return ht_fail(HTREE_ERROR_ARGUMENT, "count exceeds the address space");
     const ht_walks *walks = find_walks(tree->kind);
-    batch b = {tree, NULL, NULL,     rays,           count,
-               0,    hits, occluded, query.counters, {{NULL, NULL}, 0, 0, 0, NULL, 0}};
+    batch b;
+    memset(&b, 0, sizeof b);
+    b.tree = tree;
+    b.rays = rays;
+    b.count = count;
+    b.hits = hits;
+    b.occluded = occluded;
+    b.counters = query.counters;
     if (hits) {
         b.walk = query.counters ? walks->closest_counted : walks->closest;
     } else {
@@ -137,6 +204,8 @@ static htree_status trace_batch(const htree *tree, const htree_ray *rays, uint64
     const ht_block_walks *block = find_block_walks(tree);
     if (block && !query.counters && tree->prim_count)
         b.block_walk = hits ? block->closest : block->any;
+    const ht_tile_walks *tile = find_tile_walks(tree);
+    if (tile && b.block_walk) b.tile_walk = hits ? tile->closest : tile->any;
     return run_batch(&b, &query);
 }
 

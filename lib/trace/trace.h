@@ -35,6 +35,26 @@ typedef struct ht_block_walks {
 extern const ht_block_walks ht_wide_avx2_walks, ht_wide_avx512_walks; /* x86/ */
 extern const ht_block_walks ht_wide_neon_walks;                       /* arm/ */
 
+/* Rays of a picture that a thread takes at once: `height` rows of `width`, each `stride` rays after
+ * the one before; so are the answers, which go to hits, or else to occluded. */
+typedef struct ht_tile {
+    const htree_ray *rays;
+    uint64_t stride;
+    uint32_t width, height;
+    htree_hit *hits;
+    uint8_t *occluded;
+} ht_tile;
+
+/* Walks that take rays which agree with their neighbours. The tree holds triangles only, and at least
+ * one. */
+typedef void ht_tile_walk(const htree *tree, const ht_tile *tile);
+
+typedef struct ht_tile_walks {
+    ht_tile_walk *closest, *any;
+} ht_tile_walks;
+
+extern const ht_tile_walks ht_packet_avx2_walks, ht_packet_avx512_walks; /* x86/ */
+
 extern const ht_walks ht_ug_walks;   /* ug.c */
 extern const ht_walks ht_kd_walks;   /* kd.c */
 extern const ht_walks ht_bvh_walks;  /* bvh.c */

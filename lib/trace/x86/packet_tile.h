@@ -1,0 +1,219 @@
+/* packet_tile.h: a tile of rays from the caller's bytes into packets, and the answers back. Groups
+ * that go together walk together; rays that agree with no neighbours walk as streams. */
+#ifndef HT_PACKET_TILE_H
+#define HT_PACKET_TILE_H
+
+#include "packet_walk.h"
+
+/* A group's place in its tile. */
+typedef struct place {
+    uint64_t first;         /* its first ray among those of the tile */
+    uint32_t columns, rows; /* fewer than a group has at the edges of the tile */
+} place;
+
+/* Rays that agree with no neighbours, or not enough, and their answers. */
+typedef struct loners {
+    htree_ray rays[LANES * LANES];
+    htree_hit hits[LANES * LANES];
+    uint8_t occluded[LANES * LANES];
+} loners;
+
+/* What a walk of packets makes of a tile. */
+typedef struct plan {
+    union {
+        packet p;
+        loners after; /* when the packet has its answers: stacks may be small */
+    } is;
+    place places[LANES];
+    heading headings[LANES];
+    spans all;
+    uint32_t count;     /* groups */
+    uint32_t ready;     /* groups that want to walk */
+    uint32_t scattered; /* groups whose rays do not go together */
+    bool gave_up;
+} plan;
+
+HT_INLINE bool is_whole(const place *at) {
+    return at->columns == COLUMNS && at->rows == ROWS;
+}
+
+/* A group at the edge of a tile: its first ray takes the place of those that it lacks. */
+HT_TARGET HT_INLINE uint32_t fill_some(group *g, const ht_tile *tile, const place *at) {
+    const htree_ray *rays = tile->rays + at->first;
+    htree_ray some[LANES];
+    for (uint32_t k = 0; k < ROWS; ++k) {
+        for (uint32_t j = 0; j < COLUMNS; ++j) {
+            const bool in = k < at->rows && j < at->columns;
+            some[k * COLUMNS + j] = in ? rays[k * tile->stride + j] : *rays;
+        }
+    }
+    return fill_group(g, some, COLUMNS);
+}
+
+/* Finds `across` groups of the tile beside each other, from column x and row y on, and as many below
+ * each other as there is room for: LANES in all, or fewer at the edges of the tile. */
+HT_INLINE void find_places(const ht_tile *tile, uint32_t x, uint32_t y, uint32_t across, plan *s) {
+    s->count = 0;
+    for (uint32_t i = 0; i < LANES; ++i) {
+        const uint32_t left = x + i % across * COLUMNS, top = y + i / across * ROWS;
+        if (left >= tile->width || top >= tile->height) continue;
+        const place at = {top * tile->stride + left,
+                          tile->width - left < COLUMNS ? tile->width - left : COLUMNS,
+                          tile->height - top < ROWS ? tile->height - top : ROWS};
+        s->places[s->count++] = at;
+    }
+}
+
+/* Fills the groups and makes their beams. */
+HT_TARGET HT_INLINE void take_groups(const htree *tree, const ht_tile *tile, plan *s) {
+    uint32_t wanting = 0;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const place *at = &s->places[i];
+        group *g = &s->is.p.groups[i];
+        const uint32_t mask = is_whole(at) ? fill_group(g, tile->rays + at->first, tile->stride)
+                                           : fill_some(g, tile, at);
+        wanting |= (uint32_t)(mask != 0) << i;
+    }
+    for (uint32_t i = s->count; i < LANES; ++i) memset(&s->is.p.groups[i], 0, sizeof(group));
+    uint32_t together = find_spans(s->is.p.groups, &tree->bounds, tree->prim_count, &s->all);
+    together &= find_headings(&s->all, s->headings);
+    s->ready =
+        wanting & together & make_beams(s->is.p.groups, &tree->bounds, &s->all, &s->is.p.one);
+    s->scattered = wanting & ~together;
+}
+
+/* ---- Answers -------------------------------------------------------------------------------- */
+
+HT_TARGET HT_INLINE void answer_closest(const ht_tile *tile, const place *at, const group *g) {
+    htree_hit *const hits = tile->hits + at->first;
+    htree_hit some[LANES];
+    if (is_whole(at)) {
+        give_hits(g, hits, tile->stride);
+        return;
+    }
+    give_hits(g, some, COLUMNS);
+    for (uint32_t k = 0; k < at->rows; ++k)
+        memcpy(hits + k * tile->stride, some + k * COLUMNS, at->columns * sizeof *hits);
+}
+
+HT_TARGET HT_INLINE void answer_any(const ht_tile *tile, const place *at, const group *g) {
+    uint8_t *const occluded = tile->occluded + at->first;
+    const uint32_t hit = prims_hit(g->prim);
+    for (uint32_t k = 0; k < at->rows; ++k) {
+        for (uint32_t j = 0; j < at->columns; ++j)
+            occluded[k * tile->stride + j] = hit >> (ROWS * j + k) & 1;
+    }
+}
+
+HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, const plan *s,
+                                   loners *all, ht_block_walk *walk) {
+    uint64_t count = 0, i = 0;
+    for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
+        const place *at = &s->places[__builtin_ctz(rest)];
+        for (uint32_t k = 0; k < at->rows; ++k, count += at->columns)
+            memcpy(all->rays + count, tile->rays + at->first + k * tile->stride,
+                   at->columns * sizeof *all->rays);
+    }
+    const ht_block block = {all->rays, count, tile->hits ? all->hits : NULL,
+                            tile->hits ? NULL : all->occluded};
+    walk(tree, &block);
+    for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
+        const place *at = &s->places[__builtin_ctz(rest)];
+        for (uint32_t k = 0; k < at->rows; ++k, i += at->columns) {
+            const uint64_t to = at->first + k * tile->stride;
+            if (tile->hits)
+                memcpy(tile->hits + to, all->hits + i, at->columns * sizeof *all->hits);
+            else
+                memcpy(tile->occluded + to, all->occluded + i, at->columns);
+        }
+    }
+}
+
+/* ---- Tiles ---------------------------------------------------------------------------------- */
+
+/* Walks the groups that are ready, those that head the same way together. */
+HT_TARGET HT_INLINE void walk_ready(const htree *tree, plan *s, const bool any) {
+    s->gave_up = false;
+    while (s->ready) {
+        const heading h = s->headings[__builtin_ctz(s->ready)];
+        uint32_t groups = 0;
+        for (uint32_t rest = s->ready; rest; rest &= rest - 1) {
+            const uint32_t i = (uint32_t)__builtin_ctz(rest);
+            if (s->headings[i].negative != h.negative || s->headings[i].kz != h.kz) continue;
+            shear_group(&s->is.p.groups[i], h.kz);
+            groups |= 1u << i;
+        }
+        s->is.p.h = h;
+        s->ready &= ~groups;
+        const bool done = make_whole(&s->is.p, &s->all, groups)
+                              ? walk_packet(tree, &s->is.p, groups, any, true)
+                              : walk_packet(tree, &s->is.p, groups, any, false);
+        if (!done) s->scattered |= groups;
+        s->gave_up |= !done;
+    }
+}
+
+HT_TARGET HT_INLINE void prefetch(const void *from, uint32_t bytes) {
+    for (uint32_t i = 0; i < bytes; i += 64) _mm_prefetch((const char *)from + i, _MM_HINT_T1);
+}
+
+/* Rays right of those that are taken, which are wanted next, and where their hits go: both come from
+ * far, from many places at a time. */
+HT_TARGET HT_INLINE void prefetch_groups(const ht_tile *tile, uint32_t x, uint32_t y,
+                                         uint32_t width, uint32_t height) {
+    if (x + 2 * width > tile->width || y + height > tile->height) return;
+    for (uint32_t k = y; k < y + height; ++k) {
+        const uint64_t next = k * tile->stride + x + width;
+        prefetch(tile->rays + next, width * (uint32_t)sizeof *tile->rays);
+        if (tile->hits) prefetch(tile->hits + next, width * (uint32_t)sizeof *tile->hits);
+    }
+}
+
+HT_TARGET HT_INLINE void walk_together(const htree *tree, const ht_tile *tile, plan *s,
+                                       const bool any) {
+    take_groups(tree, tile, s);
+    walk_ready(tree, s, any);
+    for (uint32_t i = 0; i < s->count; ++i) {
+        if (s->scattered >> i & 1) continue;
+        if (any)
+            answer_any(tile, &s->places[i], &s->is.p.groups[i]);
+        else
+            answer_closest(tile, &s->places[i], &s->is.p.groups[i]);
+    }
+}
+
+/* Packet by packet. Where one had to give up, those that follow are not tried: one at first, then
+ * more. */
+HT_TARGET HT_INLINE void walk_tile(const htree *tree, const ht_tile *tile, ht_block_walk *alone,
+                                   const bool any) {
+    const uint32_t fit = (tile->width + COLUMNS - 1) / COLUMNS;
+    const uint32_t across = fit >= 4 ? 4 : fit >= 2 ? 2 : 1, down = LANES / across;
+    uint32_t penalty = 0, skip = 0;
+    for (uint32_t y = 0; y < tile->height; y += down * ROWS) {
+        for (uint32_t x = 0; x < tile->width; x += across * COLUMNS) {
+            plan s;
+            find_places(tile, x, y, across, &s);
+            prefetch_groups(tile, x, y, across * COLUMNS, down * ROWS);
+            s.scattered = ALL_LANES >> (LANES - s.count);
+            if (skip > 0) {
+                --skip;
+            } else {
+                walk_together(tree, tile, &s, any);
+                penalty = s.gave_up ? 2 * penalty + 1 : 0;
+                skip = penalty / 2;
+            }
+            if (s.scattered) walk_alone(tree, tile, &s, &s.is.after, alone);
+        }
+    }
+}
+
+#define HT_DEFINE_TILE_WALKS(name, alone)                                                          \
+    HT_TARGET static void closest_tile(const htree *tree, const ht_tile *tile) {                   \
+        walk_tile(tree, tile, alone.closest, false);                                               \
+    }                                                                                              \
+    HT_TARGET static void any_tile(const htree *tree, const ht_tile *tile) {                       \
+        walk_tile(tree, tile, alone.any, true);                                                    \
+    }                                                                                              \
+    const ht_tile_walks name = {closest_tile, any_tile}
+
+#endif

@@ -1,0 +1,276 @@
+/* packet_walk.h: takes packets through a wide tree. A node is asked for all groups of a packet at
+ * once, a lane each, by their beams; a leaf is asked group by group, first for the triangles whose
+ * boxes the beam meets, then triangle by triangle for all rays of the group.
+ *
+ * Culling is conservative for every ray, and the rays' tests do what triangle.h does, in the same
+ * order: hits are the same bits as those of rays that walk alone. */
+#ifndef HT_PACKET_WALK_H
+#define HT_PACKET_WALK_H
+
+#include "packet_rays.h"
+
+/* Leaves that a group may see on average, until its rays are better off as streams. */
+enum { PATIENCE = 64 };
+
+typedef struct packet {
+    group groups[LANES];
+    beams one;   /* of each group */
+    beams whole; /* in lane 0: of all groups that walk */
+    heading h;
+    float eye[3]; /* the origin of all rays, if they have one */
+    uint32_t child[HT_WIDE_STACK];
+    VECTORS float from[HT_WIDE_STACK][LANES]; /* where beams meet the child; NaN: they do not */
+} packet;
+
+/* ---- Boxes ---------------------------------------------------------------------------------- */
+
+/* A bit for each of eight boxes that beam `g` meets. Distances grow with rdir if they are positive,
+ * and no others count: rays of beams begin at 0 or later. */
+HT_TARGET HT_INLINE uint32_t clip_boxes(const float *planes, const beams *b, uint32_t g,
+                                        uint32_t negative) {
+    __m256 enter = _mm256_broadcast_ss(&b->tnear[g]), leave = _mm256_broadcast_ss(&b->tfar[g]);
+    for (uint32_t i = 0; i < 3; ++i) {
+        const uint32_t n = negative >> i & 1;
+        const __m256 near = _mm256_load_ps(planes + 8 * i + 24 * n);
+        const __m256 far = _mm256_load_ps(planes + 8 * i + 24 * (1 - n));
+        const __m256 from = near - _mm256_broadcast_ss(&b->entry[i][g]);
+        const __m256 to = far - _mm256_broadcast_ss(&b->exit[i][g]);
+        enter = _mm256_max_ps(from * _mm256_broadcast_ss(&b->least[i][g]), enter);
+        leave = _mm256_min_ps(to * _mm256_broadcast_ss(&b->most[i][g]), leave);
+    }
+    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ));
+}
+
+/* Where beams meet box `lane` of a node; NaN for those that do not, as it was before for those that
+ * do not come here. Returns a bit for each that does. */
+HT_TARGET HT_INLINE uint32_t clip_beams(const ht_wide_node *node, uint32_t lane, const packet *p,
+                                        lanes until, lanes *meets) {
+    const float *planes = &node->lo[0][lane];
+    lanes enter = *meets, leave = until;
+    for (uint32_t i = 0; i < 3; ++i) {
+        const uint32_t n = p->h.negative >> i & 1;
+        const lanes from = spread(planes[8 * i + 24 * n]) - load(p->one.entry[i]);
+        const lanes to = spread(planes[8 * i + 24 * (1 - n)]) - load(p->one.exit[i]);
+        enter = greatest(from * load(p->one.least[i]), enter);
+        leave = least(to * load(p->one.most[i]), leave);
+    }
+    const uint32_t mask = at_most(enter, leave);
+    *meets = pick(mask, enter, spread(NAN));
+    return mask;
+}
+
+HT_TARGET HT_INLINE void prefetch_child(const htree *tree, uint32_t child) {
+    const ht_wide_node *nodes = (const ht_wide_node *)tree->nodes;
+    const bool leaf = child & HT_WIDE_LEAF;
+    const char *from =
+        leaf ? (const char *)&tree->leaves[child & ~HT_WIDE_LEAF] : (const char *)&nodes[child];
+    for (int i = 0; i < 5; ++i) _mm_prefetch(from + 64 * i, _MM_HINT_T0);
+}
+
+/* Bit i ^ negative becomes bit i. */
+HT_INLINE uint32_t by_octant(uint32_t bits, uint32_t negative) {
+    const uint32_t x = negative & 1, y = negative & 2, z = negative & 4;
+    bits = (bits & 0xaa) >> x | (bits & 0x55) << x;
+    bits = (bits & 0xcc) >> y | (bits & 0x33) << y;
+    return (bits & 0xf0) >> z | (bits & 0x0f) << z;
+}
+
+/* Pushes the children that a beam meets, the one that is likely to be met first on top. */
+HT_TARGET HT_INLINE uint32_t meet_node(const htree *tree, const ht_wide_node *node, packet *p,
+                                       lanes from, uint32_t top) {
+    const lanes until = load(p->one.tfar);
+    const uint32_t boxes = clip_boxes(&node->lo[0][0], &p->whole, 0, p->h.negative);
+    for (uint32_t rest = by_octant(boxes, p->h.negative); rest;) {
+        const uint32_t i = 31 - (uint32_t)__builtin_clz(rest), lane = i ^ p->h.negative;
+        lanes meets = from;
+        rest ^= 1u << i;
+        if (!clip_beams(node, lane, p, until, &meets)) continue;
+        prefetch_child(tree, node->child[lane]);
+        p->child[top] = node->child[lane];
+        store(p->from[top++], meets);
+    }
+    return top;
+}
+
+/* ---- Triangles ------------------------------------------------------------------------------ */
+
+/* The corners of a leaf's triangles along kx, ky, kz, and the triangles' boxes in the layout of a
+ * node's. Rays of one origin see the corners from there. */
+typedef struct corners {
+    __m256 v[3][3];
+    __m256 planes[2][3];
+} corners;
+
+HT_TARGET HT_INLINE void take_corners(const ht_wide_leaf *leaf, const packet *p, corners *out,
+                                      const bool pinhole) {
+    uint32_t axis = p->h.kz;
+    for (int k = 2, i = 0; i < 3; ++i, k = i - 1) {
+        const __m256 org = _mm256_set1_ps(pinhole ? p->eye[axis] : 0);
+        const __m256 a = _mm256_load_ps(leaf->v[0][axis]), b = _mm256_load_ps(leaf->v[1][axis]);
+        const __m256 c = _mm256_load_ps(leaf->v[2][axis]);
+        out->planes[0][axis] = _mm256_min_ps(_mm256_min_ps(a, b), c);
+        out->planes[1][axis] = _mm256_max_ps(_mm256_max_ps(a, b), c);
+        out->v[0][k] = a - org;
+        out->v[1][k] = b - org;
+        out->v[2][k] = c - org;
+        axis = axis == 2 ? 0 : axis + 1;
+    }
+}
+
+typedef struct corner {
+    lanes x, y, z;
+} corner;
+
+/* Corner `c` of triangle `i`, sheared for every ray. */
+HT_TARGET HT_INLINE corner shear(const corners *from, uint32_t c, uint32_t i, const group *g,
+                                 uint32_t kz, const bool pinhole) {
+    const uint32_t kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+    const float *const v = (const float *)from->v[c] + i;
+    lanes x = spread(v[0]), y = spread(v[HT_LANES]), z = spread(v[2 * HT_LANES]);
+    if (!pinhole) {
+        x = x - load(g->org[kx]);
+        y = y - load(g->org[ky]);
+        z = z - load(g->org[kz]);
+    }
+    const corner out = {x - load(g->sx) * z, y - load(g->sy) * z, z};
+    return out;
+}
+
+HT_TARGET HT_INLINE lanes edge_of(corner a, corner b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+/* Where the verdict of triangle.h reads: it goes through memory, which widens at no cost. */
+typedef struct judged {
+    VECTORS float x[3][LANES], y[3][LANES], z[3][LANES];
+} judged;
+
+/* The verdict of triangle.h for half of the rays, from lane `first` on. Returns a bit for each that
+ * the triangle meets. */
+HT_TARGET HT_INLINE uint32_t judge(const group *g, const judged *p, uint32_t kz, uint32_t first,
+                                   half *t, half bary[3]) {
+    const half ax = widen(p->x[0] + first), ay = widen(p->y[0] + first);
+    const half bx = widen(p->x[1] + first), by = widen(p->y[1] + first);
+    const half cx = widen(p->x[2] + first), cy = widen(p->y[2] + first);
+    const half u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    const half det = u + v + w;
+    const half z =
+        u * widen(p->z[0] + first) + v * widen(p->z[1] + first) + w * widen(p->z[2] + first);
+    *t = z / (det * widen(g->dir[kz] + first));
+    bary[0] = det;
+    bary[1] = v;
+    bary[2] = w;
+    return meets_triangle(u, v, w, det);
+}
+
+/* The rays that triangle `i` of a leaf does not reject by the signs of floats; their corners. */
+HT_TARGET HT_INLINE uint32_t find_candidates(const corners *from, uint32_t i, const group *g,
+                                             uint32_t kz, const bool pinhole, judged *out) {
+    corner p[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+        p[k] = shear(from, k, i, g, kz, pinhole);
+        store(out->x[k], p[k].x);
+        store(out->y[k], p[k].y);
+        store(out->z[k], p[k].z);
+    }
+    const lanes u = edge_of(p[2], p[1]), v = edge_of(p[0], p[2]), w = edge_of(p[1], p[0]);
+    const lanes low = least(least(u, v), w), high = greatest(greatest(u, v), w);
+    return ~(below(low, spread(0)) & below(spread(0), high)) & ALL_LANES;
+}
+
+/* Tests triangle `i` of a leaf; returns whether it is a better answer for any ray. */
+HT_TARGET HT_INLINE bool meet_triangle(const ht_wide_leaf *leaf, const corners *from, uint32_t i,
+                                       group *g, const heading *h, const bool any,
+                                       const bool pinhole) {
+    judged p;
+    const uint32_t candidates = find_candidates(from, i, g, h->kz, pinhole, &p);
+    if (!candidates) return false;
+    half t[2], bary[2][3];
+    uint32_t met = judge(g, &p, h->kz, 0, &t[0], bary[0]);
+    met |= judge(g, &p, h->kz, LANES / 2, &t[1], bary[1]) << LANES / 2;
+    const lanes found = narrow(t[0], t[1]), limit = load(g->limit);
+    const uint32_t nearer =
+        any ? at_most(found, limit)
+            : below(found, limit) | (at_most(found, limit) & prims_above(g->prim, leaf->prim[i]));
+    const uint32_t better = candidates & met & nearer & at_most(load(g->tmin), found);
+    if (!better) return false;
+    store(g->limit, pick(better, any ? spread(-INFINITY) : found, limit));
+    store_prim(g->prim, better, leaf->prim[i]);
+    for (int side = 0; !any && side < 2; ++side) {
+        const uint32_t some = better >> side * LANES / 2;
+        store_some(g->det + side * LANES / 2, some, bary[side][0]);
+        store_some(g->v + side * LANES / 2, some, bary[side][1]);
+        store_some(g->w + side * LANES / 2, some, bary[side][2]);
+    }
+    return true;
+}
+
+/* Idle lanes have the sign of HT_WIDE_NONE. */
+HT_TARGET HT_INLINE uint32_t used_lanes(const ht_wide_leaf *leaf) {
+    const __m256 prims = _mm256_load_ps((const float *)(const void *)leaf->prim);
+    return ~(uint32_t)_mm256_movemask_ps(prims) & 255;
+}
+
+HT_TARGET HT_INLINE void meet_leaf(const ht_wide_leaf *leaf, packet *p, uint32_t groups,
+                                   const bool any, const bool pinhole) {
+    const uint32_t all = used_lanes(leaf);
+    corners c;
+    take_corners(leaf, p, &c, pinhole);
+    for (; groups; groups &= groups - 1) {
+        const uint32_t g = (uint32_t)__builtin_ctz(groups);
+        uint32_t triangles = clip_boxes((const float *)c.planes, &p->one, g, p->h.negative) & all;
+        bool better = false;
+        for (; triangles; triangles &= triangles - 1) {
+            const uint32_t i = (uint32_t)__builtin_ctz(triangles);
+            better |= meet_triangle(leaf, &c, i, &p->groups[g], &p->h, any, pinhole);
+        }
+        if (better) p->one.tfar[g] = highest(load(p->groups[g].limit), ALL_LANES);
+    }
+}
+
+/* ---- Packets -------------------------------------------------------------------------------- */
+
+/* Bounds the beams of the groups that walk; whether their rays have one origin, the eye. */
+HT_TARGET HT_INLINE bool make_whole(packet *p, const spans *s, uint32_t groups) {
+    bool pinhole = true;
+    for (int i = 0; i < 3; ++i) {
+        const bool negative = p->h.negative >> i & 1;
+        const lanes entry = load(p->one.entry[i]), exit = load(p->one.exit[i]);
+        const lanes slow = load(p->one.least[i]), fast = load(p->one.most[i]);
+        p->whole.entry[i][0] = negative ? lowest(entry, groups) : highest(entry, groups);
+        p->whole.exit[i][0] = negative ? highest(exit, groups) : lowest(exit, groups);
+        p->whole.least[i][0] = negative ? highest(slow, groups) : lowest(slow, groups);
+        p->whole.most[i][0] = negative ? lowest(fast, groups) : highest(fast, groups);
+        p->eye[i] = lowest(s->org_lo[i], groups);
+        pinhole = pinhole && p->eye[i] == highest(s->org_hi[i], groups);
+    }
+    p->whole.tnear[0] = lowest(load(p->one.tnear), groups);
+    p->whole.tfar[0] = highest(load(p->one.tfar), groups);
+    return pinhole;
+}
+
+/* Returns false if it gave up: what the beams meet is too much for the rays in them. */
+HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t groups, const bool any,
+                                     const bool pinhole) {
+    const ht_wide_node *nodes = (const ht_wide_node *)tree->nodes;
+    uint32_t patience = PATIENCE * (uint32_t)_mm_popcnt_u32(groups);
+    p->child[0] = 0;
+    store(p->from[0], pick(groups, load(p->one.tnear), spread(NAN)));
+    for (uint32_t top = 1; top > 0;) {
+        const lanes from = load(p->from[--top]);
+        const uint32_t child = p->child[top], mask = at_most(from, load(p->one.tfar));
+        const uint32_t cost = child & HT_WIDE_LEAF ? (uint32_t)_mm_popcnt_u32(mask) : 1;
+        if (!mask) continue;
+        if (cost > patience) return false;
+        patience -= cost;
+        if (child & HT_WIDE_LEAF) {
+            meet_leaf(&tree->leaves[child & ~HT_WIDE_LEAF], p, mask, any, pinhole);
+            p->whole.tfar[0] = highest(load(p->one.tfar), groups);
+        } else {
+            top = meet_node(tree, &nodes[child], p, from, top);
+        }
+    }
+    return true;
+}
+
+#endif
