@@ -62,6 +62,7 @@ HT_TARGET HT_INLINE uint32_t clip_beams(const ht_wide_node *node, uint32_t lane,
 HT_TARGET HT_INLINE void prefetch_child(const htree *tree, uint32_t child) {
     const ht_wide_node *nodes = (const ht_wide_node *)tree->nodes;
     const bool leaf = child & HT_WIDE_LEAF;
+    if (HT_UNLIKELY(ht_wide_is_pending(child))) return;
     const char *from =
         leaf ? (const char *)&tree->leaves[child & ~HT_WIDE_LEAF] : (const char *)&nodes[child];
     for (int i = 0; i < 5; ++i) _mm_prefetch(from + 64 * i, _MM_HINT_T0);
@@ -258,9 +259,10 @@ HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t grou
     store(p->from[0], pick(groups, load(p->one.tnear), spread(NAN)));
     for (uint32_t top = 1; top > 0;) {
         const lanes from = load(p->from[--top]);
-        const uint32_t child = p->child[top], mask = at_most(from, load(p->one.tfar));
-        const uint32_t cost = child & HT_WIDE_LEAF ? (uint32_t)_mm_popcnt_u32(mask) : 1;
+        const uint32_t mask = at_most(from, load(p->one.tfar));
         if (!mask) continue;
+        const uint32_t child = ht_wide_resolve(tree, p->child[top]);
+        const uint32_t cost = child & HT_WIDE_LEAF ? (uint32_t)_mm_popcnt_u32(mask) : 1;
         if (cost > patience) return false;
         patience -= cost;
         if (child & HT_WIDE_LEAF) {
