@@ -259,7 +259,7 @@ bench-device: all ## time kinds on the CPU, on an OpenCL device (DEVICE=name) an
 	@cat $(OUT)/bench-device.txt
 
 # KINDS, PEERS and THREADS replace the lists; SCENE adds built-in scenes, such as terrain:10000000.
-KINDS ?= fast,balanced,best,fast+lazy
+KINDS ?= fast,balanced,best,fast+lazy,balanced+compact
 QUICK_PEERS := embree-low,embree-low-robust,embree-refit,embree-refit-robust
 PEERS ?= $(QUICK_PEERS),embree-medium,embree-medium-robust,embree-medium-compact,embree-high,embree-high-robust
 THREADS ?= 1,0

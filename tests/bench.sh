@@ -56,16 +56,16 @@ keys='scene peer config threads ns_per_triangle bytes_per_triangle peak_bytes_pe
     refit_ns_per_triangle mrays_primary mrays_primary_packet mrays_ao mrays_diffuse T_T_ms disagreements'
 
 json_parses() {
-    works --threads 1,2 --kind fast,h,fast+lazy --json "$work/a.json" || return 1
+    works --threads 1,2 --kind fast,h,fast+lazy,best,best+compact --json "$work/a.json" || return 1
     python3 -m json.tool "$work/a.json" >"$work/a.txt" || { echo "not JSON"; return 1; }
     for key in $keys; do
-        [ "$(grep -c "\"$key\":" "$work/a.txt")" -eq 6 ] || { echo "$key is not in each of six rows"; return 1; }
+        [ "$(grep -c "\"$key\":" "$work/a.txt")" -eq 10 ] || { echo "$key is not in each of ten rows"; return 1; }
     done
     ! grep -q '"ns_per_triangle": null\|"mrays_[adps].*y*": 0,\|"T_T_ms": null' "$work/a.txt" ||
         { echo "a figure is missing"; return 1; }
-    [ "$(grep -c '"refit_ns_per_triangle": null' "$work/a.txt")" -eq 4 ] ||
-        { echo "h and lazy trees are not refitted, others are"; return 1; }
-    [ "$(grep -c '"disagreements": 0$' "$work/a.txt")" -eq 6 ] || { echo "structures disagree"; return 1; }
+    [ "$(grep -c '"refit_ns_per_triangle": null' "$work/a.txt")" -eq 6 ] ||
+        { echo "h, lazy and compact trees are not refitted, others are"; return 1; }
+    [ "$(grep -c '"disagreements": 0$' "$work/a.txt")" -eq 10 ] || { echo "structures disagree"; return 1; }
 }
 
 says_nothing_on_stderr() {

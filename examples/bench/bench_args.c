@@ -26,8 +26,9 @@ static const char help[] =
     "      --camera C          of MESH and built-in scenes: outside, inside, or\n"
     "                          ex,ey,ez,lx,ly,lz[,fov]; by default what suits the scene\n"
     "      --up x|y|z          which axis points up (default y)\n"
-    "      --kind NAME,...     structures and efforts, with +lazy or +morton after a name\n"
-    "                          (default fast,balanced,best,fast+lazy)\n"
+    "      --kind NAME,...     structures and efforts; +lazy, +morton, +compact and\n"
+    "                          +collapse after a name (default fast,balanced,best,fast+lazy,\n"
+    "                          balanced+compact)\n"
     "      --device NAME       on an OpenCL device too: its index, part of its name, or default\n"
     "      --list-devices      print the OpenCL devices\n"
     "      --peer NAME,...     another ray tracer too, ray by ray and by packets of 16:\n"
@@ -237,7 +238,8 @@ static bench_args default_args(void) {
 static bool complete(bench_args *out) {
     if (!out->thread_count) take_threads(out, "0");
     if (!out->tree_count)
-        option_list(program, "kind", "fast,balanced,best,fast+lazy", take_kind, out);
+        option_list(program, "kind", "fast,balanced,best,fast+lazy,balanced+compact", take_kind,
+                    out);
     if (!out->scene_count && (!take_scene(out, "knot") || !take_scene(out, "city"))) return false;
     if (out->device && out->thread_count > 1)
         return option_wrong(program, "--device takes one number of --threads");

@@ -20,7 +20,10 @@ static bool add_flag(tree_config *out, const char *word) {
     static const struct {
         const char *name;
         uint32_t flag;
-    } flags[] = {{"lazy", HTREE_LAZY}, {"morton", HTREE_MORTON}};
+    } flags[] = {{"lazy", HTREE_LAZY},
+                 {"morton", HTREE_MORTON},
+                 {"compact", HTREE_COMPACT},
+                 {"collapse", HTREE_COLLAPSE}};
     for (size_t i = 0; i < sizeof flags / sizeof *flags; ++i) {
         if (strcmp(word, flags[i].name) != 0) continue;
         out->flags |= flags[i].flag;
@@ -38,7 +41,8 @@ bool tree_config_read(const char *program, tree_config *out, const char *text) {
     if (!option_kind(program, "kind", word, &out->kind)) return false;
     while (next_word(&rest, '+', word, sizeof word))
         if (!add_flag(out, word))
-            return option_wrong(program, "--kind %s: after + comes lazy or morton", text);
+            return option_wrong(program,
+                                "--kind %s: after + comes lazy, morton, compact or collapse", text);
     return true;
 }
 

@@ -20,7 +20,8 @@ typedef struct peer_config {
     bool robust, compact;
 } peer_config;
 
-/* KIND[+lazy][+morton]: `program` and --kind begin the line on stderr that says what is wrong. */
+/* KIND[+lazy][+morton][+compact][+collapse]. `program` begins the line on stderr that says what is
+ * wrong. */
 bool tree_config_read(const char *program, tree_config *out, const char *text);
 
 /* embree[-low|-medium|-high|-refit][-robust][-compact]: medium is left out. */

@@ -12,22 +12,23 @@ bool contender_builds(const contender *c) {
     return c->place == PLACE_CPU || c->place == PLACE_PEER;
 }
 
-/* Presets stand for kinds. */
-static bool is_wide(htree_kind kind) {
+/* As the library would refit it, not rebuild it: wide trees, or such as become one. */
+static bool refits(const tree_config *config) {
     htree_options options;
-    return htree_options_init(&options, sizeof options, kind) == HTREE_OK &&
-           options.kind == HTREE_WIDE;
+    if (htree_options_init(&options, sizeof options, config->kind) != HTREE_OK) return false;
+    const uint32_t flags = options.flags | config->flags;
+    const bool divides_space = options.kind == HTREE_UG || options.kind == HTREE_KD;
+    const bool wide = options.kind == HTREE_WIDE || ((flags & HTREE_COLLAPSE) && !divides_space);
+    return wide && !(flags & (HTREE_LAZY | HTREE_COMPACT));
 }
 
-/* Others than the library's wide trees would be rebuilt; a geometry of the peer either refits or does
- * not. */
+/* A geometry of the peer either refits or does not. */
 bool contender_can(const contender *c, build_way way) {
-    const bool tree = c->place == PLACE_CPU;
-    const bool refits = tree ? is_wide(c->config.kind) && !(c->config.flags & HTREE_LAZY)
-                             : c->by_peer.quality == PEER_REFIT;
+    const bool by_refit = c->by_peer.quality == PEER_REFIT;
     if (c->place == PLACE_DEVICE) return false;
-    if (way == BUILD_REFIT) return refits;
-    return way == BUILD_FRESH || tree || !refits;
+    if (way == BUILD_FRESH) return true;
+    if (c->place == PLACE_CPU) return way == BUILD_WARM || refits(&c->config);
+    return (way == BUILD_REFIT) == by_refit;
 }
 
 bool contender_takes(const contender *c, const ray_set *set) {

@@ -33,6 +33,10 @@ static const comparison comparisons[] = {
     {"T_T, warm, best of each", {NULL, FIGURE_TOTAL_WARM}, {NULL, FIGURE_TOTAL_WARM}, true},
     {"refit, best of each", {NULL, FIGURE_REFIT}, {NULL, FIGURE_REFIT}, true},
     {"balanced / MEDIUM, bytes", {"balanced", FIGURE_BYTES}, {"medium", FIGURE_BYTES}, true},
+    {"balanced+compact / MEDIUM compact, bytes",
+     {"balanced+compact", FIGURE_BYTES},
+     {"medium-compact", FIGURE_BYTES},
+     true},
     {"balanced / MEDIUM, peak bytes", {"balanced", FIGURE_PEAK}, {"medium", FIGURE_PEAK}, true},
 };
 
@@ -118,7 +122,7 @@ static void print_line(FILE *out, const match *m, const comparison *c) {
         ++count;
     }
     if (!count) return;
-    fprintf(out, "%-32s", c->text);
+    fprintf(out, "%-42s", c->text);
     for (uint32_t i = 0; i < scenes; ++i) rows_print_number(out, 12, 2, ratios[i]);
     rows_print_number(out, 8, 2, exp(sum / count));
     rows_print_number(out, 8, 2, least);
@@ -127,7 +131,7 @@ static void print_line(FILE *out, const match *m, const comparison *c) {
 
 /* Names of scenes without the ends of files. */
 static void print_table(FILE *out, const match *m, const comparison *all, int count) {
-    fprintf(out, "%-32s", "better by a factor of");
+    fprintf(out, "%-42s", "better by a factor of");
     for (uint32_t i = 0; i < m->rows->count; ++i) {
         const char *scene = new_scene(m->rows, i);
         const size_t length = scene ? strcspn(scene, ".") : 0;
