@@ -47,7 +47,7 @@ HT_INLINE uint32_t ht_wide_grid_cell(const ht_wide_grid *grid, ht_f4 lo, ht_f4 h
 }
 
 /* The most prims of a cell, unless it is the only one. */
-#define HT_WIDE_CELL_PRIMS 512u
+#define HT_WIDE_CELL_PRIMS 384u
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
 

@@ -7,8 +7,7 @@
 #include "wide.h"
 
 enum {
-    CROWDED = 384, /* prims: what an errand is for, and the waste of an uneven cell */
-    ALONE = 2048,  /* prims of a mesh that needs no grid */
+    ALONE = 2048, /* prims of a mesh that needs no grid */
     PRIMS_A_CELL = 8,
     MOST_CELLS = 1 << 15,
     GROUPS = 32
@@ -116,7 +115,7 @@ static htree_status refine_cell(const refining *r, const ht_prim *cell, bench *b
  * such cells stay as they are. */
 static bool is_worth_refining(const ht_prim *cell, uint32_t parent_prims) {
     const uint32_t prims = ht_cell_prims(cell);
-    return prims > CROWDED && prims <= parent_prims / 8 * 7;
+    return prims > HT_WIDE_CELL_PRIMS && prims <= parent_prims / 8 * 7;
 }
 
 /* Cuts a cell that no grid separates into pieces, in the order of its prims. */
@@ -199,7 +198,7 @@ static htree_status take_crowded(refining *r, uint64_t *prims) {
     *prims = 0;
     for (uint64_t i = 0; i < cells->count; ++i) {
         const ht_prim *cell = (const ht_prim *)ht_array_at(cells, i);
-        const bool stays = ht_cell_prims(cell) <= CROWDED;
+        const bool stays = ht_cell_prims(cell) <= HT_WIDE_CELL_PRIMS;
         ht_prim *to = (ht_prim *)(stays ? ht_array_at(cells, kept) : ht_array_add(&r->crowded));
         if (!to) return HTREE_ERROR_MEMORY;
         *to = *cell;

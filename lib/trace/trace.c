@@ -36,7 +36,9 @@ static const ht_block_walks *find_block_walks(const htree *tree) {
 /* NULL: rays that agree with their neighbours go as the others do. */
 static const ht_tile_walks *find_tile_walks(const htree *tree) {
 #ifdef HT_X86
-    if (tree->kind != HTREE_WIDE || tree->object_count || ht_is_compact(tree)) return NULL;
+    if (tree->kind != HTREE_WIDE || tree->object_count || ht_is_compact(tree) ||
+        tree->stack + 1 > HT_PACKET_STACK)
+        return NULL;
     if (tree->isa == HT_AVX512) return &ht_packet_avx512_walks;
     if (tree->isa == HT_AVX2) return &ht_packet_avx2_walks;
 #endif

@@ -49,6 +49,9 @@ typedef struct ht_tile {
  * one. */
 typedef void ht_tile_walk(const htree *tree, const ht_tile *tile);
 
+/* The stack of a packet: deeper trees know none. */
+#define HT_PACKET_STACK 128u
+
 typedef struct ht_tile_walks {
     ht_tile_walk *closest, *any;
 } ht_tile_walks;

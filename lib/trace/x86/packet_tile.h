@@ -20,10 +20,7 @@ typedef struct loners {
 
 /* What a walk of packets makes of a tile. */
 typedef struct plan {
-    union {
-        packet p;
-        loners after; /* when the packet has its answers: stacks may be small */
-    } is;
+    packet *p; /* while it walks */
     place places[LANES];
     heading headings[LANES];
     spans all;
@@ -69,16 +66,15 @@ HT_TARGET HT_INLINE void take_groups(const htree *tree, const ht_tile *tile, pla
     uint32_t wanting = 0;
     for (uint32_t i = 0; i < s->count; ++i) {
         const place *at = &s->places[i];
-        group *g = &s->is.p.groups[i];
+        group *g = &s->p->groups[i];
         const uint32_t mask = is_whole(at) ? fill_group(g, tile->rays + at->first, tile->stride)
                                            : fill_some(g, tile, at);
         wanting |= (uint32_t)(mask != 0) << i;
     }
-    for (uint32_t i = s->count; i < LANES; ++i) memset(&s->is.p.groups[i], 0, sizeof(group));
-    uint32_t together = find_spans(s->is.p.groups, &tree->bounds, tree->prim_count, &s->all);
+    for (uint32_t i = s->count; i < LANES; ++i) memset(&s->p->groups[i], 0, sizeof(group));
+    uint32_t together = find_spans(s->p->groups, &tree->bounds, tree->prim_count, &s->all);
     together &= find_headings(&s->all, s->headings);
-    s->ready =
-        wanting & together & make_beams(s->is.p.groups, &tree->bounds, &s->all, &s->is.p.one);
+    s->ready = wanting & together & make_beams(s->p->groups, &tree->bounds, &s->all, &s->p->one);
     s->scattered = wanting & ~together;
 }
 
@@ -106,7 +102,8 @@ HT_TARGET HT_INLINE void answer_any(const ht_tile *tile, const place *at, const 
 }
 
 HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, const plan *s,
-                                   loners *all, ht_block_walk *walk) {
+                                   ht_block_walk *walk) {
+    loners alone, *const all = &alone;
     uint64_t count = 0, i = 0;
     for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
         const place *at = &s->places[__builtin_ctz(rest)];
@@ -140,14 +137,14 @@ HT_TARGET HT_INLINE void walk_ready(const htree *tree, plan *s, const bool any) 
         for (uint32_t rest = s->ready; rest; rest &= rest - 1) {
             const uint32_t i = (uint32_t)__builtin_ctz(rest);
             if (s->headings[i].negative != h.negative || s->headings[i].kz != h.kz) continue;
-            shear_group(&s->is.p.groups[i], h.kz);
+            shear_group(&s->p->groups[i], h.kz);
             groups |= 1u << i;
         }
-        s->is.p.h = h;
+        s->p->h = h;
         s->ready &= ~groups;
-        const bool done = make_whole(&s->is.p, &s->all, groups)
-                              ? walk_packet(tree, &s->is.p, groups, any, true)
-                              : walk_packet(tree, &s->is.p, groups, any, false);
+        const bool done = make_whole(s->p, &s->all, groups)
+                              ? walk_packet(tree, s->p, groups, any, true)
+                              : walk_packet(tree, s->p, groups, any, false);
         if (!done) s->scattered |= groups;
         s->gave_up |= !done;
     }
@@ -169,16 +166,19 @@ HT_TARGET HT_INLINE void prefetch_groups(const ht_tile *tile, uint32_t x, uint32
     }
 }
 
-HT_TARGET HT_INLINE void walk_together(const htree *tree, const ht_tile *tile, plan *s,
-                                       const bool any) {
+/* The packet is on the stack no longer than its walk: stacks may be small. */
+HT_TARGET HT_NOINLINE static void walk_together(const htree *tree, const ht_tile *tile, plan *s,
+                                                const bool any) {
+    packet p;
+    s->p = &p;
     take_groups(tree, tile, s);
     walk_ready(tree, s, any);
     for (uint32_t i = 0; i < s->count; ++i) {
         if (s->scattered >> i & 1) continue;
         if (any)
-            answer_any(tile, &s->places[i], &s->is.p.groups[i]);
+            answer_any(tile, &s->places[i], &s->p->groups[i]);
         else
-            answer_closest(tile, &s->places[i], &s->is.p.groups[i]);
+            answer_closest(tile, &s->places[i], &s->p->groups[i]);
     }
 }
 
@@ -202,7 +202,7 @@ HT_TARGET HT_INLINE void walk_tile(const htree *tree, const ht_tile *tile, ht_bl
                 penalty = s.gave_up ? 2 * penalty + 1 : 0;
                 skip = penalty / 2;
             }
-            if (s.scattered) walk_alone(tree, tile, &s, &s.is.after, alone);
+            if (s.scattered) walk_alone(tree, tile, &s, alone);
         }
     }
 }

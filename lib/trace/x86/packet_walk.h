@@ -18,8 +18,8 @@ typedef struct packet {
     beams whole; /* in lane 0: of all groups that walk */
     heading h;
     float eye[3]; /* the origin of all rays, if they have one */
-    uint32_t child[HT_WIDE_STACK];
-    VECTORS float from[HT_WIDE_STACK][LANES]; /* where beams meet the child; NaN: they do not */
+    uint32_t child[HT_PACKET_STACK];
+    VECTORS float from[HT_PACKET_STACK][LANES]; /* where beams meet the child; NaN: they do not */
 } packet;
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
