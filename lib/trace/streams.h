@@ -20,6 +20,9 @@ enum {
     WAITING = 3072 /* children that may wait: a deep tree has fewer rays in flight */
 };
 
+#define HT_STREAM_LEAST 8.673617379884035e-19f /* 2^-60 */
+#define HT_STREAM_FAR   1.099511627776e12f     /* 2^40 */
+
 /* A ray on its way. */
 typedef struct __attribute__((aligned(64))) stream {
     ht_ray r;
@@ -27,6 +30,7 @@ typedef struct __attribute__((aligned(64))) stream {
     uint32_t near[3], far[3]; /* floats from a node to the planes that are met first, and last */
     uint32_t order;           /* the lane that is met first: a bit for each negative axis */
     uint32_t bottom, top;     /* its stack: from the mark of the end to where it is */
+    float main, first, slack; /* dz, tmin dz, and what that may be off by before it is scaled */
     const htree_ray *ray;
 } stream;
 
@@ -45,8 +49,9 @@ typedef struct streams {
 HT_TARGET HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t *child,
                                        float *tnear, const bool any);
 
-/* A bit for every lane in use that the float signs do not reject: see triangle.h. */
-HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ht_shear *s);
+/* A bit for every lane in use that the float signs do not reject: see triangle.h. Others that the
+ * verdict would reject may be left out. */
+HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const stream *s);
 
 /* As ht_expand_node and ht_expand_leaf. */
 HT_TARGET HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node);
@@ -142,7 +147,7 @@ HT_TARGET HT_INLINE uint32_t visit_leaves(const htree *tree, streams *all, uint3
             continue;
         }
         const ht_wide_leaf *leaf = leaf_of(tree, child, &room, compact);
-        uint32_t lanes = candidates(leaf, &s->r.shear);
+        uint32_t lanes = candidates(leaf, s);
         if (HT_UNLIKELY(tree->object_count) && step_objects(tree, leaf, s, any)) {
             if (any) lanes = 0;
             leave_behind(all, s, any);
@@ -186,6 +191,20 @@ HT_INLINE void give_answer(const ht_block *block, const stream *s) {
         block->occluded[index] = s->hit.prim != HTREE_NONE;
 }
 
+/* Puts a ray that is ready at the root. */
+HT_INLINE void set_out(stream *s) {
+    s->order = 0;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        s->order |= s->r.negative[axis] << axis;
+        s->near[axis] = 8 * axis + 24 * s->r.negative[axis];
+        s->far[axis] = 16 * axis + 24 - s->near[axis];
+    }
+    s->main = (float)s->r.shear.dz;
+    s->first = s->r.tmin * s->main;
+    s->slack = s->r.reach <= HT_STREAM_FAR ? ht_magnitude(s->first) + HT_STREAM_LEAST : INFINITY;
+    s->top = s->bottom + 1;
+}
+
 /* The next ray that has a way to go; the others are answered at once. False after the last. */
 HT_TARGET HT_INLINE bool next_ray(const htree *tree, const ht_block *block, uint64_t *next,
                                   stream *s) {
@@ -194,13 +213,7 @@ HT_TARGET HT_INLINE bool next_ray(const htree *tree, const ht_block *block, uint
         const htree_hit miss = {s->ray->tmax, 0, 0, HTREE_NONE};
         s->hit = miss;
         if (ht_ray_init(&s->r, s->ray, &tree->bounds)) {
-            s->order = 0;
-            for (uint32_t axis = 0; axis < 3; ++axis) {
-                s->order |= s->r.negative[axis] << axis;
-                s->near[axis] = 8 * axis + 24 * s->r.negative[axis];
-                s->far[axis] = 16 * axis + 24 - s->near[axis];
-            }
-            s->top = s->bottom + 1;
+            set_out(s);
             return true;
         }
         give_answer(block, s);

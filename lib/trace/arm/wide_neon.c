@@ -104,8 +104,9 @@ HT_INLINE uint32x4_t may_hit(const ht_wide_leaf *leaf, uint32_t lane, const ht_s
     return vbicq_u32(in_use, vandq_u32(below, above));
 }
 
-HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ht_shear *s) {
-    return lanes_in(may_hit(leaf, 0, s), may_hit(leaf, 4, s), lane_bits(0)) & 255;
+HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const stream *s) {
+    const ht_shear *const shear = &s->r.shear;
+    return lanes_in(may_hit(leaf, 0, shear), may_hit(leaf, 4, shear), lane_bits(0)) & 255;
 }
 
 HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node) {

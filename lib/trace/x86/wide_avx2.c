@@ -16,6 +16,11 @@ HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words
     return (uint32_t)_mm_popcnt_u32(met);
 }
 
+HT_TARGET HT_INLINE __m256 larger(__m256 a, __m256 b) {
+    const __m256 sign = _mm256_set1_ps(-0.0f);
+    return _mm256_max_ps(_mm256_andnot_ps(sign, a), _mm256_andnot_ps(sign, b));
+}
+
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx2_walks);
 #else
 typedef int ht_no_avx2; /* a file is not empty */

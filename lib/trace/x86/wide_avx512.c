@@ -13,6 +13,10 @@ HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words
     return (uint32_t)_mm_popcnt_u32(_cvtmask8_u32(met));
 }
 
+HT_TARGET HT_INLINE __m256 larger(__m256 a, __m256 b) {
+    return _mm256_range_ps(a, b, 11); /* the maximum, 3, of magnitudes, without a sign, 8 */
+}
+
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx512_walks);
 #else
 typedef int ht_no_avx512; /* a file is not empty */
