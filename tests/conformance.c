@@ -4,7 +4,8 @@
  *     conformance [FILE]        writes to stdout without FILE
  *
  * Nothing is written unless every kind, alone and on threads, gives the oracle's answers bit for
- * bit, and unless every misuse is refused here with the status that the file promises. */
+ * bit, also lazily and after updates, and unless every misuse is refused here with the status that
+ * the file promises. */
 #include "rays.h"
 #include "oracle.h"
 
@@ -78,8 +79,9 @@ static const struct {
     {"far", "far", 100, NULL}, /* far from the origin: what a float resolves shows */
     {"one", "one", 1, NULL},
     {"empty", "none", 0, NULL},
+    {"many", "knot", 2500, NULL}, /* enough for a lazy tree to leave some to the rays */
 };
-enum { SCENES = COUNT_OF(scene_table) };
+enum { SCENES = COUNT_OF(scene_table), SOUP = 0, MANY = SCENES - 1 };
 
 /* ---- Rays ----------------------------------------------------------------------------------- */
 
@@ -215,6 +217,52 @@ static void check_kinds(const scene *sc) {
     DEMAND(kinds > 0, "the library builds no kind");
 }
 
+static void check_lazy(const scene *sc) {
+    htree_options options = options_of(HTREE_WIDE);
+    options.flags = HTREE_LAZY;
+    htree *const tree = tree_of(&sc->mesh, &options);
+    DEMAND(stats_of(tree).subtrees > 0 || sc->mesh.triangle_count < 2000, "%s is not lazy",
+           sc->name);
+    check_answers(sc, tree, "lazy", 0);
+    check_facts(sc, tree, "lazy");
+    DEMAND(htree_complete(tree) == HTREE_OK, "%s: %s", sc->name, htree_error_text());
+    check_facts(sc, tree, "complete");
+    check_answers(sc, tree, "complete", 0);
+    htree_free(tree);
+}
+
+static void update(htree *tree, const htree_mesh *mesh, int32_t how) {
+    double quality = 0;
+    DEMAND(htree_update(tree, mesh, how, &quality) == HTREE_OK, "update: %s", htree_error_text());
+    DEMAND(quality > 0 && (how != HTREE_REBUILD || quality == 1), "quality is %g", quality);
+}
+
+/* To the scene from the one before, and by refitting to a stretched one and back. */
+static void check_updates(const scene *sc, htree *tree, const char *kind) {
+    const uint64_t floats = 3 * sc->mesh.vertex_count;
+    float *const stretched = (float *)take(floats * sizeof *stretched);
+    htree_mesh mesh = sc->mesh;
+    for (uint64_t i = 0; i < floats; ++i)
+        stretched[i] = sc->mesh.positions[i] * (i % 3 == 0 ? 3.0f : 1.0f);
+    mesh.positions = stretched;
+    update(tree, &sc->mesh, HTREE_REBUILD);
+    check_facts(sc, tree, kind);
+    update(tree, &mesh, HTREE_REFIT);
+    update(tree, &sc->mesh, HTREE_REFIT);
+    check_facts(sc, tree, kind);
+    check_answers(sc, tree, kind, 0);
+    free(stretched);
+}
+
+static void check_all_updates(const scene *scenes) {
+    for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
+        htree *const tree = tree_of_kind(&scenes[0].mesh, kind);
+        for (uint32_t i = 0; i < SCENES; ++i)
+            check_updates(&scenes[i], tree, htree_kind_name(kind));
+        htree_free(tree);
+    }
+}
+
 static void make_scene(scene *sc, uint32_t index) {
     dice d = {2006 + index};
     sc->name = scene_table[index].name;
@@ -226,6 +274,7 @@ static void make_scene(scene *sc, uint32_t index) {
     choose_rays(sc, &target, sc->rays + RAYS_MIXED);
     answer(sc);
     check_kinds(sc);
+    check_lazy(sc);
 }
 
 /* ---- Statuses ------------------------------------------------------------------------------- */
@@ -300,6 +349,16 @@ static htree_status build(const stage *g) {
     return status;
 }
 
+static htree_status view_lazy(stage *g) {
+    htree *tree = NULL;
+    g->options.flags = HTREE_LAZY;
+    g->view.size = sizeof g->view;
+    DEMAND(htree_build(&tree, &g->mesh, &g->options) == HTREE_OK, "%s", htree_error_text());
+    const htree_status status = htree_get_view(tree, &g->view);
+    htree_free(tree);
+    return status;
+}
+
 /* Nothing is written where a query is refused; a cancelled one may have written anything. */
 static htree_status query(const stage *g) {
     static htree_ray rays[100000];
@@ -347,6 +406,10 @@ SPOIL(options_size_0, (void)0, htree_options_init(&g->options, 0, HTREE_H))
 SPOIL(query_size_0, (void)0, htree_query_init(&g->query, 0))
 SPOIL(stats_size_0, g->stats.size = 0, htree_get_stats(g->tree, &g->stats))
 SPOIL(view_size_0, g->view.size = 0, htree_get_view(g->tree, &g->view))
+SPOIL(update_how_3, (void)0, htree_update(g->tree, &g->mesh, 3, NULL))
+SPOIL(update_index, g->abc[2] = 3, htree_update(g->tree, &g->mesh, HTREE_REBUILD, NULL))
+SPOIL(update_mesh_null, (void)0, htree_update(g->tree, NULL, HTREE_REFIT, NULL))
+SPOIL(complete_null, (void)0, htree_complete(NULL))
 SPOIL(rays_null, (void)0, htree_intersect(g->tree, NULL, 1, &g->hit, NULL))
 SPOIL(hits_null, (void)0, htree_intersect(g->tree, &g->ray, 1, NULL, NULL))
 SPOIL(tree_null, (htree_free(g->tree), g->tree = NULL), query(g))
@@ -378,6 +441,11 @@ static const struct {
     {"query-size-0", HTREE_ERROR_ARGUMENT, query_size_0},
     {"stats-size-0", HTREE_ERROR_ARGUMENT, stats_size_0},
     {"view-size-0", HTREE_ERROR_ARGUMENT, view_size_0},
+    {"view-lazy", HTREE_ERROR_UNSUPPORTED, view_lazy},
+    {"update-how-3", HTREE_ERROR_ARGUMENT, update_how_3},
+    {"update-index-out-of-range", HTREE_ERROR_GEOMETRY, update_index},
+    {"update-mesh-null", HTREE_ERROR_ARGUMENT, update_mesh_null},
+    {"complete-null", HTREE_ERROR_ARGUMENT, complete_null},
     {"rays-null", HTREE_ERROR_ARGUMENT, rays_null},
     {"hits-null", HTREE_ERROR_ARGUMENT, hits_null},
     {"tree-null", HTREE_ERROR_ARGUMENT, tree_null},
@@ -385,8 +453,9 @@ static const struct {
     {"mesh-null", HTREE_ERROR_ARGUMENT, mesh_null},
 };
 
-/* The good mesh is one triangle; cancelling needs a build that lasts long enough to be asked. */
-static void check_misuses(const htree_mesh *soup) {
+/* The good mesh is one triangle; cancelling needs a build that lasts long enough to be asked, and
+ * laziness one that leaves something to do. */
+static void check_misuses(const htree_mesh *soup, const htree_mesh *many) {
     for (uint32_t i = 0; i < COUNT_OF(misuses); ++i) {
         stage g = stage_of(soup);
         g.mesh.positions = g.xyz;
@@ -396,6 +465,7 @@ static void check_misuses(const htree_mesh *soup) {
         g.rays = 1;
         DEMAND(build(&g) == HTREE_OK, "the good build fails: %s", htree_error_text());
         if (misuses[i].call == build_cancelled) g.mesh = *soup;
+        if (misuses[i].call == view_lazy) g.mesh = *many;
         const htree_status status = misuses[i].call(&g);
         DEMAND(status == misuses[i].status, "%s: status %d, not %s", misuses[i].name, (int)status,
                status_word(misuses[i].status));
@@ -466,7 +536,8 @@ int main(int count, char **arguments) {
     DEMAND(count <= 2, "usage: conformance [FILE]");
     check_statuses();
     for (uint32_t i = 0; i < SCENES; ++i) make_scene(&scenes[i], i);
-    check_misuses(&scenes[0].mesh);
+    check_all_updates(scenes);
+    check_misuses(&scenes[SOUP].mesh, &scenes[MANY].mesh);
 
     FILE *const to = count == 2 ? fopen(arguments[1], "wb") : stdout;
     DEMAND(to != NULL, "cannot write %s", arguments[1]);

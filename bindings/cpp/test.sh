@@ -119,7 +119,9 @@ check "objects that may throw are not" compiles no \
 check "tasks that may throw are not" compiles no 'auto p = [](uint32_t, ht::task) {}; o.tasks(p);'
 check "a tree is not copied" compiles no 'ht::tree copy(t);'
 check "a tree can be viewed" compiles yes 't.view();'
-check "a tree that is about to die cannot" compiles no 'ht::tree().view();'
+check "a tree that others may ask is not completed" compiles no 't.complete();'
+check "nor updated" compiles no 't.update(ht::mesh(), ht::how::refit);'
+check "a tree that is about to die cannot be viewed" compiles no 'ht::tree().view();'
 check "vertices need three floats" compiles no 'double v[3] = {0, 0, 0}; ht::mesh m(v, 1); (void)m;'
 
 # A header of the next minor version, over this library.

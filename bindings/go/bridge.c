@@ -4,6 +4,9 @@
 #include "bridge.h"
 #include "_cgo_export.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /* ---- Callbacks into Go ---------------------------------------------------------------------- */
 
 static int32_t intersect_object(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
@@ -81,6 +84,23 @@ htree_status htree_go_load(htree **out, const void *file, uint64_t size, uint32_
     }
     /* An empty slice has no address. */
     return htree_load(out, file ? file : "", size, &options);
+}
+
+htree_status htree_go_update(htree *tree, const htree_mesh *mesh, const float *positions,
+                             const uint32_t *indices, const htree_box *boxes, uint64_t box_count,
+                             uint32_t which, uintptr_t hooks, int32_t how, double *quality) {
+    if (!mesh) return htree_update(tree, mesh, how, quality);
+    const htree_objects objects = {boxes, box_count, intersect_object, (void *)hooks};
+    htree_mesh whole = *mesh;
+    whole.positions = positions;
+    whole.indices = indices;
+    if (which & HTREE_GO_OBJECTS) whole.objects = &objects;
+    return htree_update(tree, &whole, how, quality);
+}
+
+void *htree_go_copy(const void *memory, uint64_t bytes) {
+    void *const copy = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
+    return copy ? memcpy(copy, memory, (size_t)bytes) : NULL;
 }
 
 htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,

@@ -19,6 +19,13 @@ htree_status htree_go_build(htree **out, const htree_mesh *mesh, const float *po
 htree_status htree_go_load(htree **out, const void *file, uint64_t size, uint32_t threads,
                            uint32_t which, uintptr_t hooks);
 
+htree_status htree_go_update(htree *tree, const htree_mesh *mesh, const float *positions,
+                             const uint32_t *indices, const htree_box *boxes, uint64_t box_count,
+                             uint32_t which, uintptr_t hooks, int32_t how, double *quality);
+
+/* A copy from malloc, or NULL. */
+void *htree_go_copy(const void *memory, uint64_t bytes);
+
 htree_status htree_go_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
                                 htree_hit *hits, const htree_query *query, htree_counters *counters,
                                 uintptr_t progress);

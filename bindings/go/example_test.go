@@ -103,7 +103,7 @@ func ExampleObjects() {
 }
 
 func ExampleTree_View() {
-	tree, err := htree.Build(square)
+	tree, err := htree.Build(square, htree.WithKind(htree.H))
 	if err != nil {
 		log.Fatal(err)
 	}
@@ -114,7 +114,7 @@ func ExampleTree_View() {
 	})
 	fmt.Println(err)
 	// Output:
-	// wide 2 [0 0 0 1 0 0 1 1 0]
+	// h 2 [0 0 0 1 0 0 1 1 0]
 	// <nil>
 }
 

@@ -3,8 +3,8 @@
 // Package htree answers ray queries over triangle meshes, by hierarchies that are cheap enough to build
 // anew for every frame. It is libhtree for Go, by cgo.
 //
-// Data takes one way: [Mesh] -> [Build] -> [Tree.Intersect] -> [Hit]. A tree copies what it keeps and
-// never changes, so any number of goroutines may query it. The closest hit is the same bits for every
+// Data takes one way: [Mesh] -> [Build] -> [Tree.Intersect] -> [Hit]. A tree copies what it keeps, and any
+// number of goroutines may query it; [Tree.Update] brings it to another mesh. The closest hit is the same bits for every
 // [Kind], batch and number of threads. Queries take whole batches and spread them over all cores; a call
 // into C costs some tens of nanoseconds, so batches are the way to speed.
 package htree

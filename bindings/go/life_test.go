@@ -26,10 +26,11 @@ func TestEveryCallOnAClosedTreeGetsErrClosed(t *testing.T) {
 	_, bounds := tree.Bounds()
 	_, stats := tree.Stats()
 	_, occluded := tree.OccludedOne(down)
+	_, update := tree.Update(terrain(4), Refit)
 	look := func(View) error { t.Error("a view of a closed tree"); return nil }
 	for _, err := range []error{
 		tree.Intersect(nil, nil), tree.Occluded(nil, nil), tree.Check(), tree.View(look),
-		one, bounds, stats, occluded,
+		tree.Complete(), one, bounds, stats, occluded, update,
 	} {
 		if !errors.Is(err, ErrClosed) {
 			t.Error(err)
@@ -119,7 +120,7 @@ func TestATreeMayBeClosedByItsOwnCallbacks(t *testing.T) {
 	if tree.tree != nil {
 		t.Error("the query did not free the tree")
 	}
-	tree = build(t, terrain(4))
+	tree = build(t, terrain(4), WithKind(H))
 	err := tree.View(func(view View) error {
 		tree.Close()
 		if view.Triangles[3] != 1 || len(view.Nodes) == 0 {

@@ -7,8 +7,8 @@ import "C"
 
 import "unsafe"
 
-// A Mesh is what Build reads: triangles, and objects of your own if any. Its slices are read while Build
-// runs, and not kept.
+// A Mesh is what Build and Update read: triangles, and objects of your own if any. Its slices are read while
+// they run, and not kept; what a lazy tree reads after that is a copy of them in C's memory.
 type Mesh struct {
 	// Positions are x y z of every vertex; see Floats for points.
 	Positions []float32
@@ -52,6 +52,14 @@ func Indices(triangles [][3]uint32) []uint32 {
 		return []uint32{}
 	}
 	return unsafe.Slice(first[uint32](triangles), 3*len(triangles))
+}
+
+// objects are the boxes and the function of what is there.
+func (m *Mesh) objects() ([]Box, func(object uint32, ray Ray) (t, u, v float32, ok bool)) {
+	if m.Objects == nil {
+		return nil, nil
+	}
+	return m.Objects.Boxes, m.Objects.Intersect
 }
 
 // numbers are the mesh for C without its arrays.

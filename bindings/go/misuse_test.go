@@ -93,9 +93,21 @@ func mistakes(t *testing.T) map[string]func() error {
 		"query-size-0":        func() error { return rawQueryInit(&cQuery{}, 0) },
 		"stats-size-0":        func() error { return rawGetStats(tree.tree, &cStats{}) },
 		"view-size-0":         func() error { return rawGetView(tree.tree, &cView{}) },
-		"rays-null":           func() error { return rawIntersect(tree.tree, nil, 1, hits, &query, nil, 0) },
-		"hits-null":           func() error { return rawIntersect(tree.tree, ray, 1, nil, &query, nil, 0) },
-		"tree-null":           func() error { return rawIntersect(nil, ray, 1, hits, nil, nil, 0) },
+		"view-lazy": func() error {
+			return build(t, terrain(side), WithKind(Wide), WithLazy()).View(func(View) error { return nil })
+		},
+		"update-how-3": func() error { _, err := tree.Update(triangle(), 3); return err },
+		"update-index-out-of-range": func() error {
+			_, err := tree.Update(Mesh{Positions: triangle().Positions, Indices: []uint32{0, 1, 3}}, Rebuild)
+			return err
+		},
+		"update-mesh-null": func() error {
+			return rawUpdate(tree.tree, nil, nil, nil, nil, hookHandle{}, Refit, nil)
+		},
+		"complete-null": func() error { return rawComplete(nil) },
+		"rays-null":     func() error { return rawIntersect(tree.tree, nil, 1, hits, &query, nil, 0) },
+		"hits-null":     func() error { return rawIntersect(tree.tree, ray, 1, nil, &query, nil, 0) },
+		"tree-null":     func() error { return rawIntersect(nil, ray, 1, hits, nil, nil, 0) },
 		"out-null": func() error {
 			options := must[cOptions](t)((&buildConfig{kind: H}).options())
 			return rawBuild(nil, &cMesh{}, nil, nil, nil, &options, hookHandle{}, 0)

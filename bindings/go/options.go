@@ -123,6 +123,13 @@ func WithAnyPlanes() BuildOption { return setFlag(C.HTREE_ANY_PLANES) }
 // WithLoosePlanes lets AH use planes as the grid gives them, half a cell wide.
 func WithLoosePlanes() BuildOption { return setFlag(C.HTREE_LOOSE_PLANES) }
 
+// WithMorton lets Wide use Morton order below the grid: faster to build, slower to trace.
+func WithMorton() BuildOption { return setFlag(C.HTREE_MORTON) }
+
+// WithLazy lets Wide build only the top, and the rest by the first ray that gets there, from a copy of the
+// mesh that the tree holds until it is complete; see [Tree.Complete].
+func WithLazy() BuildOption { return setFlag(C.HTREE_LAZY) }
+
 // WithBuckets evaluates cost at n - 1 planes along an axis, 2 to 64.
 func WithBuckets(n uint32) BuildOption {
 	return set(func(o *cOptions) { o.buckets = C.uint32_t(n) })

@@ -95,6 +95,19 @@ func rawSave(tree *cTree, file []byte, size *uint64) error {
 	})
 }
 
+func rawComplete(tree *cTree) error {
+	return check(func() C.htree_status { return C.htree_complete(tree) })
+}
+
+func rawUpdate(tree *cTree, mesh *cMesh, positions []float32, indices []uint32, boxes []Box,
+	hooks hookHandle, how How, quality *float64) error {
+	return check(func() C.htree_status {
+		return C.htree_go_update(tree, mesh, first[C.float](positions), first[C.uint32_t](indices),
+			first[C.htree_box](boxes), C.uint64_t(len(boxes)), C.uint32_t(hooks.which),
+			C.uintptr_t(hooks.handle), C.int32_t(how), (*C.double)(quality))
+	})
+}
+
 func rawFree(tree *cTree) {
 	C.htree_free(tree)
 }

@@ -9,23 +9,20 @@ import (
 	"context"
 	"runtime"
 	"runtime/cgo"
-	"sync/atomic"
 	"unsafe"
 )
 
-// A Tree answers ray queries. It never changes: any number of goroutines may query it. Close frees it; the
-// garbage collector does so too, but knows nothing of the memory that it holds.
+// A Tree answers ray queries. Any number of goroutines may query it; only Update and Complete change it.
+// Close frees it; the garbage collector does so too, but knows nothing of the memory that it holds.
 type Tree struct {
-	tree    *cTree
-	threads uint32
-	hooks   *hooks
-	handle  cgo.Handle // of hooks, 0 if there are none
-
-	// Calls that use the tree, and whether it is closed: the last of them frees it.
-	users atomic.Int64
+	tree     *cTree
+	threads  uint32
+	hooks    *hooks
+	handle   cgo.Handle // of hooks, 0 if there are none
+	lazy     bool       // is built with WithLazy, and so again by Update
+	borrowed loan       // what a lazy tree reads until it is complete
+	turns
 }
-
-const closed = 1 << 62
 
 // Build builds a tree over the mesh, with the defaults of Balanced where no option says otherwise.
 //
@@ -53,10 +50,16 @@ func BuildContext(ctx context.Context, mesh Mesh, options ...BuildOption) (*Tree
 		return nil, err
 	}
 	tree := &Tree{hooks: &config.hooks, threads: uint32(how.threads)}
-	var boxes []Box
-	if mesh.Objects != nil {
-		boxes, config.hooks.intersect = mesh.Objects.Boxes, mesh.Objects.Intersect
+	tree.lazy = how.kind == C.HTREE_WIDE && how.flags&C.HTREE_LAZY != 0
+	borrowed, err := mesh.lend(tree.lazy)
+	if err != nil {
+		return nil, err
 	}
+	if tree.lazy {
+		tree.borrowed = borrowed
+	}
+	var boxes []Box
+	boxes, config.hooks.intersect = mesh.objects()
 	which := config.hooks.which()
 	if which != 0 {
 		tree.handle = cgo.NewHandle(tree.hooks)
@@ -71,7 +74,7 @@ func BuildContext(ctx context.Context, mesh Mesh, options ...BuildOption) (*Tree
 	report := newProgress(ctx, config.report, tree.hooks)
 	err = report.run(which != 0, func(handle progressHandle) error {
 		var out *cTree // by itself: C may not see the rest of the Tree
-		err := rawBuild(&out, &numbers, mesh.Positions, mesh.Indices, boxes, &how,
+		err := rawBuild(&out, &numbers, borrowed.positions, borrowed.indices, boxes, &how,
 			hookHandle{which, tree.handle}, handle)
 		tree.tree = out
 		return err
@@ -86,36 +89,16 @@ func BuildContext(ctx context.Context, mesh Mesh, options ...BuildOption) (*Tree
 // Close frees the tree. Twice is harmless, and so is closing while queries run: the last of them frees it.
 // Every later call gets ErrClosed. It implements io.Closer, and its error is always nil.
 func (t *Tree) Close() error {
-	for {
-		users := t.users.Load()
-		if users&closed != 0 {
-			return nil
-		}
-		if t.users.CompareAndSwap(users, users|closed) {
-			runtime.SetFinalizer(t, nil)
-			if users == 0 {
-				t.free()
-			}
-			return nil
-		}
+	runtime.SetFinalizer(t, nil)
+	if t.close() {
+		t.free()
 	}
+	return nil
 }
 
-// acquire keeps the tree alive until release.
-func (t *Tree) acquire() error {
-	for {
-		users := t.users.Load()
-		if users&closed != 0 {
-			return ErrClosed
-		}
-		if t.users.CompareAndSwap(users, users+1) {
-			return nil
-		}
-	}
-}
-
+// release ends what acquire or acquireAlone began.
 func (t *Tree) release() {
-	if t.users.Add(-1) == closed {
+	if t.leave() {
 		t.free()
 	}
 }
@@ -126,6 +109,7 @@ func (t *Tree) free() {
 	if t.handle != 0 {
 		t.handle.Delete()
 	}
+	t.borrowed.free()
 	t.tree, t.handle = nil, 0
 }
 

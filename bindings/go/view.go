@@ -31,6 +31,8 @@ type Stats struct {
 	PeakBytes    uint64  // most memory held at any time of the build
 	BuildSeconds float64 // T_C, wall clock
 	SAHCost      float64 // expected cost of a random ray that meets the bounds, in the unit of the costs
+
+	Subtrees, SubtreesBuilt uint64 // WithLazy: left to rays, and built by now; else 0
 }
 
 // Stats counts the tree's parts; it walks all of it.
@@ -64,6 +66,9 @@ func (t *Tree) Stats() (Stats, error) {
 		PeakBytes:    uint64(s.peak_bytes),
 		BuildSeconds: float64(s.build_seconds),
 		SAHCost:      float64(s.sah_cost),
+
+		Subtrees:      uint64(s.subtrees),
+		SubtreesBuilt: uint64(s.subtrees_built),
 	}, nil
 }
 
@@ -99,14 +104,15 @@ type View struct {
 	Prims       uint32    // that can be hit; 0: there are no nodes
 	ObjectCount uint32    // as given; their prims come after the triangles
 	Stack       uint32    // entries that a traversal stack can need at most
-	Triangles   []float32 // nine a triangle, v0 v1 v2; a skipped one is all 0
+	Triangles   []float32 // nine a triangle, v0 v1 v2; a skipped one is all 0. Wide: empty, see Leaves
 	Nodes       []byte    // root first
-	Leaves      []byte    // UG, KD: uint32 prims by leaf; Wide: blocks of triangles; else empty
+	Leaves      []byte    // UG, KD: uint32 prims by leaf; Wide: blocks of corners; else empty
 	Grid        []byte    // UG: its shape; else empty
 }
 
 // View calls look with the tree's arrays, which must not be used after look has returned: the tree is kept
-// alive until then, even if it is closed meanwhile.
+// alive until then, even if it is closed meanwhile. A lazy tree that is not complete has none to show, and
+// gets ErrUnsupported.
 func (t *Tree) View(look func(View) error) error {
 	if err := t.acquire(); err != nil {
 		return err
@@ -122,17 +128,17 @@ func (t *Tree) View(look func(View) error) error {
 		Prims:       uint32(v.prims),
 		ObjectCount: uint32(v.object_count),
 		Stack:       uint32(v.stack),
-		Triangles:   unsafe.Slice((*float32)(v.triangles), 9*int(v.triangle_count)),
-		Nodes:       bytesOf(v.nodes, v.node_bytes),
-		Leaves:      bytesOf(v.leaves, v.leaf_bytes),
-		Grid:        bytesOf(v.grid, v.grid_bytes),
+		Triangles:   array[float32](unsafe.Pointer(v.triangles), 9*C.uint64_t(v.triangle_count)),
+		Nodes:       array[byte](v.nodes, v.node_bytes),
+		Leaves:      array[byte](v.leaves, v.leaf_bytes),
+		Grid:        array[byte](v.grid, v.grid_bytes),
 	})
 }
 
-// bytesOf is nil where C says NULL.
-func bytesOf(start unsafe.Pointer, count C.uint64_t) []byte {
+// array is nil where C says NULL.
+func array[T any](start unsafe.Pointer, count C.uint64_t) []T {
 	if start == nil {
 		return nil
 	}
-	return unsafe.Slice((*byte)(start), int(count))
+	return unsafe.Slice((*T)(start), int(count))
 }

@@ -72,6 +72,11 @@ export interface Options {
     anyPlanes?: boolean;
     /** ah: planes as the grid gives them, half a cell wide. */
     loosePlanes?: boolean;
+    /** wide: Morton order below the grid: faster to build, slower to trace. */
+    morton?: boolean;
+    /** wide: only the top is built, the rest by the first ray that gets there. The tree reads a
+     * copy of the mesh, or its shared arrays, which must not change until complete or close. */
+    lazy?: boolean;
     /** Of queries: 0 all cores, 1 the caller's, n at most n. */
     threads?: number;
     /** 2 to 64: cost is evaluated at one plane fewer. */
@@ -180,7 +185,15 @@ export interface Stats {
     peakBytes: number;
     buildSeconds: number;
     sahCost: number;
+    /** Of a lazy tree: left to rays; else 0. */
+    subtrees: number;
+    /** Of these, built by now. */
+    subtreesBuilt: number;
 }
+
+/** How update brings a tree to a mesh: 'rebuild' as build would, in the memory of the builds
+ * before; 'refit', wide: the same nodes around the new positions. */
+export type How = 'rebuild' | 'refit';
 
 /** Copies of a tree's arrays. Nodes, leaves and grid are laid out as lib/tree/layout.h says, which
  * holds for one minor version. */
@@ -191,7 +204,7 @@ export interface View {
     triangleCount: number;
     objectCount: number;
     stack: number;
-    /** Nine floats a triangle; a skipped one is all 0. */
+    /** Nine floats a triangle; a skipped one is all 0. wide: none, its leaves hold the corners. */
     triangles: Float32Array;
     nodes: ArrayBuffer;
     leaves: ArrayBuffer;
@@ -203,7 +216,8 @@ export type Rays = Float32Array | readonly number[];
 
 type Vector = readonly [number, number, number] | Float32Array;
 
-/** A hierarchy over a mesh, built once and never changed. Its memory is the library's: close it. */
+/** A hierarchy over a mesh, which only update and complete change. Its memory is the library's:
+ * close it. */
 export class HTree {
     private constructor();
 
@@ -223,6 +237,25 @@ export class HTree {
 
     /** The same with the four costs as measured on this machine, which takes some milliseconds. */
     static calibrate(options?: Options): FullOptions;
+
+    /** Builds what rays have not reached yet of a lazy tree, on all cores, and lets its mesh go.
+     * Does nothing to any other tree. Throws while a worker uses the tree, and in a callback of a
+     * query on it. */
+    complete(): void;
+
+    /** The same on a worker; until then every use of the tree throws. */
+    completeAsync(): Promise<void>;
+
+    /** Brings the tree to new positions, or with 'rebuild' to any mesh at all, with the options
+     * that it was built with. Refitting is for a mesh of as many triangles and objects; the tree is
+     * rebuilt where it cannot do. Returns the expected cost of a ray over that when the tree was
+     * built: 1 after a rebuild; from about 1.5 on rebuilding pays. Throws HTreeError, and as
+     * complete does; then the tree is as it was. */
+    update(mesh: Mesh, how: How): number;
+
+    /** The same on a worker, from copies of the mesh's arrays where they are not shared; until then
+     * every use of the tree throws. */
+    updateAsync(mesh: Mesh, how: How): Promise<number>;
 
     /** The closest hit of every ray. */
     intersect(rays: Rays, query?: Query & { hits?: Hits | null }): Hits;
@@ -252,7 +285,7 @@ export class HTree {
     /** Walks the tree and counts what it is made of. */
     stats(): Stats;
 
-    /** Copies the tree's arrays. */
+    /** Copies the tree's arrays. Throws UNSUPPORTED for a lazy tree that is not complete. */
     view(): View;
 
     /** Proves the structure. Throws HTreeError: CORRUPT, MEMORY. */

@@ -24,6 +24,9 @@ export function htree_options_init(options: Struct | null, size: number, kind: n
 export function htree_calibrate(options: Struct | null): number;
 export function htree_build(
     out: [bigint | null] | null, mesh: Struct | null, options: Struct | null): number;
+export function htree_complete(tree: Pointer): number;
+export function htree_update(
+    tree: Pointer, mesh: Struct | null, how: number, quality: [number] | null): number;
 export function htree_free(tree: Pointer): void;
 export function htree_query_init(query: Struct | null, size: number): number;
 export function htree_intersect(

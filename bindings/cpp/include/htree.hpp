@@ -74,10 +74,10 @@ class query {
     std::uint64_t counted_;
 };
 
-/* A finished tree, and the only owner of it. It never changes, so any number of threads may ask it
- * at once; closing, moving and destroying are for one thread while no other uses it. Where no
- * thread knows when that is, share it: std::make_shared<const ht::tree>(std::move(tree)). An empty
- * or closed tree refuses every call with status::argument. */
+/* A tree, and the only owner of it. Any number of threads may ask it at once; completing, updating,
+ * closing, moving and destroying are for one thread while no other uses it. Where no thread knows
+ * when that is, share it: std::make_shared<const ht::tree>(std::move(tree)). An empty or closed
+ * tree refuses every call with status::argument. */
 class tree {
   public:
     tree() noexcept : handle_(nullptr) {
@@ -117,6 +117,22 @@ class tree {
         /* Of no bytes there is no address, and they are no tree. */
         static const unsigned char none = 0;
         return load(file.empty() ? &none : file.data(), file.size(), how);
+    }
+
+    /* Builds what rays have not reached yet of a lazy tree, which needs its mesh no more. */
+    outcome<void> complete() HTREE_HPP_NOEXCEPT {
+        return detail::settle(::htree_complete(handle_));
+    }
+
+    /* Brings the tree to the mesh, with the options that it was built with, and ends its views. The
+     * value is the expected cost of a ray over that when the tree was built: from about 1.5 on
+     * rebuilding pays. */
+    outcome<double> update(const mesh &to, ht::how way) HTREE_HPP_NOEXCEPT {
+        const htree_mesh whole = to.whole();
+        double quality = 1;
+        const htree_status s =
+            ::htree_update(handle_, &whole, static_cast<std::int32_t>(way), &quality);
+        return detail::settle(s, quality);
     }
 
     /* Twice is harmless. */
@@ -202,7 +218,8 @@ class tree {
         return detail::settle(s, all);
     }
 
-    /* The tree's own arrays, which end with it: a tree that is about to die has no view. */
+    /* The tree's own arrays, which end with it or its update: a tree that is about to die has no
+     * view, and a lazy one only once it is complete. */
     outcome<ht::view> view() const &HTREE_HPP_NOEXCEPT {
         ht::view all = ht::view();
         all.size = sizeof all;

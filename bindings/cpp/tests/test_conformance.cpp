@@ -53,6 +53,32 @@ TEST_CASE("every scene, kind and number of threads gives the file's answers") {
     }
 }
 
+TEST_CASE("lazy trees and complete ones give the file's answers") {
+    for (const scene &s : the_file().scenes) {
+        CAPTURE(s.name);
+        ht::tree tree = MUST(ht::tree::build(s.mesh(), ht::options(ht::kind::wide).lazy()));
+        check_answers(s, tree, 0);
+        MUST(tree.complete());
+        check_facts(s, tree, ht::kind::wide);
+        check_answers(s, tree, 0);
+    }
+}
+
+TEST_CASE("a tree that goes from scene to scene gives the file's answers") {
+    for (const std::string &name : the_file().kinds) {
+        CAPTURE(name);
+        ht::tree tree = good_tree(ht::options(kind_of(name)));
+        for (const scene &s : the_file().scenes) {
+            CAPTURE(s.name);
+            for (const ht::how way : {ht::how::rebuild, ht::how::refit}) {
+                MUST(tree.update(s.mesh(), way));
+                check_facts(s, tree, kind_of(name));
+                check_answers(s, tree, 0);
+            }
+        }
+    }
+}
+
 TEST_CASE("a ray alone is answered as in a batch") {
     for (const scene &s : the_file().scenes) {
         const ht::tree tree = MUST(ht::tree::build(s.mesh()));

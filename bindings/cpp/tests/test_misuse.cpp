@@ -123,6 +123,17 @@ static ht::status view_size_0() {
     return raw(htree_get_view(good_tree().get(), &view));
 }
 
+static ht::status view_lazy() {
+    const ht::tree tree =
+        MUST(ht::tree::build(the_file().scenes.back().mesh(), ht::options(ht::kind::wide).lazy()));
+    return STATUS_OF(tree.view());
+}
+
+static ht::status update(const ht::mesh &mesh, ht::how way) {
+    ht::tree tree = good_tree();
+    return STATUS_OF(tree.update(mesh, way));
+}
+
 static ht::status mesh_null() {
     htree *tree = nullptr;
     return raw(htree_build(&tree, nullptr, nullptr));
@@ -171,6 +182,22 @@ static const std::map<std::string, std::function<ht::status()>> misuses = {
      }},
     {"stats-size-0", stats_size_0},
     {"view-size-0", view_size_0},
+    {"view-lazy", view_lazy},
+    {"update-how-3", [] { return update(one(), static_cast<ht::how>(3)); }},
+    {"update-index-out-of-range",
+     [] {
+         const std::uint32_t wild[3] = {0, 1, 3};
+         return update(ht::mesh(xyz, 3).indices(wild, 1), ht::how::rebuild);
+     }},
+    {"update-mesh-null",
+     [] {
+         ht::tree tree = good_tree();
+         ::htree *const handle = tree.release();
+         const ht::status status = raw(htree_update(handle, nullptr, HTREE_REFIT, nullptr));
+         tree = ht::tree(handle);
+         return status;
+     }},
+    {"complete-null", [] { return STATUS_OF(ht::tree().complete()); }},
     {"rays-null",
      [] {
          ht::hit h;

@@ -30,6 +30,8 @@ const STATS = {
     peakBytes: 'peak_bytes',
     buildSeconds: 'build_seconds',
     sahCost: 'sah_cost',
+    subtrees: 'subtrees',
+    subtreesBuilt: 'subtrees_built',
 };
 
 const boxOf = ({ lo, hi }) => ({ lo: Array.from(lo), hi: Array.from(hi) });

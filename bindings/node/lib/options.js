@@ -12,7 +12,7 @@ const KINDS = Object.freeze(Object.fromEntries(
     ['ug', 'kd', 'bvh-median', 'bvh-sah', 'skd', 'h', 'ah', 'wide', 'fast', 'balanced', 'best']
         .map((name) => [name, raw.htree_kind_from_name(name)])));
 
-const FLAGS = { strict: 1, anyPlanes: 2, loosePlanes: 4 };
+const FLAGS = { strict: 1, anyPlanes: 2, loosePlanes: 4, morton: 8, lazy: 16 };
 const INTEGERS = { threads: 'threads', buckets: 'buckets', axes: 'axes', fewPrims: 'few_prims' };
 const FLOATS = {
     costSkd: 'cost_skd',
@@ -68,7 +68,8 @@ function toStruct(given) {
     const kind = kindNumber(given.kind ?? 'balanced');
     check(raw.htree_options_init(struct, koffi.sizeof(raw.types.htree_options), kind));
     for (const [name, bit] of Object.entries(FLAGS)) {
-        if (given[name]) struct.flags |= bit;
+        if (given[name] === undefined) continue;
+        struct.flags = given[name] ? struct.flags | bit : struct.flags & ~bit;
     }
     for (const [name, field] of Object.entries(INTEGERS)) {
         if (given[name] !== undefined) struct[field] = requireUint32(given[name], name);
@@ -78,6 +79,9 @@ function toStruct(given) {
     }
     return struct;
 }
+
+/** Whether a tree with these options reads its mesh after the build. */
+const isLazy = ({ kind, flags }) => kind === KINDS.wide && (flags & FLAGS.lazy) !== 0;
 
 function fromStruct(struct) {
     const options = { kind: raw.htree_kind_name(struct.kind) };
@@ -98,4 +102,4 @@ function calibrated(given) {
     return fromStruct(struct);
 }
 
-module.exports = { KINDS, toStruct, defaults, calibrated, requireNames, requireUint32 };
+module.exports = { KINDS, toStruct, isLazy, defaults, calibrated, requireNames, requireUint32 };

@@ -98,6 +98,8 @@ const htree_stats = struct({
     peak_bytes: 'uint64_t',
     build_seconds: 'double',
     sah_cost: 'double',
+    subtrees: 'uint64_t',
+    subtrees_built: 'uint64_t',
 });
 const htree_view = struct({
     size: 'uint32_t',
@@ -140,6 +142,9 @@ module.exports = {
     htree_calibrate: f('htree_calibrate', status, [inout(htree_options)]),
     htree_build: f('htree_build', status,
         [out(tree), pointer(htree_mesh), pointer(htree_options)]),
+    htree_complete: f('htree_complete', status, [tree]),
+    htree_update: f('htree_update', status,
+        [tree, pointer(htree_mesh), 'int32_t', out('double')]),
     htree_free: f('htree_free', 'void', [tree]),
     htree_query_init: f('htree_query_init', status, [inout(htree_query), 'uint64_t']),
     htree_intersect: f('htree_intersect', status,

@@ -17,6 +17,9 @@ if (!Symbol.dispose) {
     Object.defineProperty(Symbol, 'dispose', { value: Symbol('Symbol.dispose') });
 }
 
+/** How update brings a tree to a mesh. */
+const HOW = { rebuild: 1, refit: 2 };
+
 /** Only build and load know it, so only they construct. */
 const BUILT = Symbol('built');
 const forgotten = new FinalizationRegistry((handle) => handle.close());
@@ -28,12 +31,23 @@ function onWorker(f, ...parameters) {
     });
 }
 
+/** A mesh as C reads it; a lazy tree goes on reading, so it gets copies that stay. */
+function prepareMesh(mesh, copy, lazy) {
+    const parts = meshes.read(mesh, copy || lazy);
+    const key = parts.objects ? callbacks.add(parts.objects.intersect) : 0;
+    return { mesh: meshes.toStruct(parts, key), key, arrays: lazy ? parts : null };
+}
+
 /** What htree_build gets and fills. */
 function prepare(mesh, given, copy) {
     const struct = options.toStruct(given);
-    const parts = meshes.read(mesh, copy);
-    const key = parts.objects ? callbacks.add(parts.objects.intersect) : 0;
-    return { struct, mesh: meshes.toStruct(parts, key), key, out: [null] };
+    return { struct, out: [null], ...prepareMesh(mesh, copy, options.isLazy(struct)) };
+}
+
+/** What htree_update gets and fills. */
+function prepareUpdate(mesh, how, copy, lazy) {
+    if (!Object.hasOwn(HOW, how)) throw new RangeError(`no update is named ${String(how)}`);
+    return { how: HOW[how], quality: [0], ...prepareMesh(mesh, copy, lazy) };
 }
 
 function abandon({ out, key }) {
@@ -49,21 +63,37 @@ function explain(status, { out, mesh, struct }) {
     throw new HTreeError(status, raw.htree_status_name(status));
 }
 
-/** A hierarchy over a mesh, built once and never changed. */
+/** The tree has been brought to the mesh; an update that fails keeps its key, to be removed. */
+function adopt(handle, update) {
+    handle.refer(update.key, update.arrays);
+    update.key = 0;
+    return update.quality[0];
+}
+
+/** What a worker's call came to. Its sentence stayed with the worker's thread. */
+function requireOk(status) {
+    if (status !== 0) throw new HTreeError(status, raw.htree_status_name(status));
+}
+
+/** A hierarchy over a mesh, which only update and complete change. */
 class HTree {
     #handle;
 
     #threads;
 
-    constructor(built, handle, threads) {
+    #lazy;
+
+    constructor(built, handle, threads, lazy) {
         if (built !== BUILT) throw new TypeError('HTree.build and HTree.load make trees');
         this.#handle = handle;
         this.#threads = threads;
+        this.#lazy = lazy;
         forgotten.register(this, handle, this);
     }
 
-    static #of({ out, key, struct }) {
-        return new HTree(BUILT, new Handle(out[0], key), struct.threads);
+    static #of({ out, key, struct, arrays }) {
+        const lazy = options.isLazy(struct);
+        return new HTree(BUILT, new Handle(out[0], key, arrays), struct.threads, lazy);
     }
 
     static build(mesh, given = {}) {
@@ -97,12 +127,53 @@ class HTree {
 
     static load(file, given = {}) {
         const { pointer, key, threads } = files.load(file, given);
-        return new HTree(BUILT, new Handle(pointer, key), threads);
+        return new HTree(BUILT, new Handle(pointer, key, null), threads, false);
     }
 
     static defaults(given = {}) { return options.defaults(given); }
 
     static calibrate(given = {}) { return options.calibrated(given); }
+
+    complete() {
+        const handle = this.#handle;
+        handle.with((tree) => check(raw.htree_complete(tree)), handle.acquireAlone());
+        handle.dropArrays();
+    }
+
+    async completeAsync() {
+        const handle = this.#handle;
+        await handle.withAsync(async (tree) => {
+            requireOk(await onWorker(raw.htree_complete, tree));
+            handle.dropArrays();
+        }, handle.acquireAlone());
+    }
+
+    update(mesh, how) {
+        const handle = this.#handle;
+        const update = prepareUpdate(mesh, how, false, this.#lazy);
+        try {
+            return handle.with((tree) => {
+                check(raw.htree_update(tree, update.mesh, update.how, update.quality));
+                return adopt(handle, update);
+            }, handle.acquireAlone());
+        } finally {
+            callbacks.remove(update.key);
+        }
+    }
+
+    async updateAsync(mesh, how) {
+        const handle = this.#handle;
+        const update = prepareUpdate(mesh, how, true, this.#lazy);
+        try {
+            return await handle.withAsync(async (tree) => {
+                requireOk(await onWorker(
+                    raw.htree_update, tree, update.mesh, update.how, update.quality));
+                return adopt(handle, update);
+            }, handle.acquireAlone());
+        } finally {
+            callbacks.remove(update.key);
+        }
+    }
 
     intersect(rays, given = {}) { return this.#trace(raw.htree_intersect, 'hits', rays, given); }
 
@@ -165,7 +236,7 @@ class HTree {
             const hook = { report: null, user: 0 };
             const status = await onWorker(
                 f, tree, batch.rays, batch.count, batch.answers, batch.struct(hook));
-            if (status !== 0) throw new HTreeError(status, raw.htree_status_name(status));
+            requireOk(status);
             return batch.finish();
         });
     }

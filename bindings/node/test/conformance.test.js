@@ -46,6 +46,36 @@ for (const scene of file.scenes) {
     }
 }
 
+function assertAnswers(scene, tree) {
+    const rays = floatsOfBits(scene.rays);
+    tree.check();
+    assert.deepEqual(tree.intersect(rays).words, Uint32Array.from(scene.hits));
+    assert.deepEqual(tree.occluded(rays), Uint8Array.from(scene.occluded));
+}
+
+test('lazy trees and complete ones give the bits of C', () => {
+    for (const scene of file.scenes) {
+        const tree = HTree.build(meshOf(scene), { kind: 'wide', lazy: true });
+        assertAnswers(scene, tree);
+        tree.complete();
+        assertAnswers(scene, tree);
+        tree.close();
+    }
+});
+
+test('a tree that goes from scene to scene gives the bits of C', () => {
+    for (const kind of file.kinds) {
+        const tree = HTree.build({}, { kind });
+        for (const scene of file.scenes) {
+            for (const how of ['rebuild', 'refit']) {
+                tree.update(meshOf(scene), how);
+                assertAnswers(scene, tree);
+            }
+        }
+        tree.close();
+    }
+});
+
 test('one ray gives the bits of its batch', () => {
     for (const scene of file.scenes) {
         const rays = floatsOfBits(scene.rays);

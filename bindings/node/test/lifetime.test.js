@@ -34,10 +34,13 @@ test('every use after close throws', async () => {
     for (const use of [
         () => tree.intersect(above(2)), () => tree.occluded(above(2)), () => tree.bounds(),
         () => tree.intersectRay([0, 0, 0], [0, 0, 1]), () => tree.occludedRay([0, 0, 0], [0, 0, 1]),
-        () => tree.stats(), () => tree.view(), () => tree.check(),
+        () => tree.stats(), () => tree.view(), () => tree.check(), () => tree.complete(),
+        () => tree.update(TETRAHEDRON, 'refit'),
     ]) assert.throws(use, /the tree is closed/);
     await assert.rejects(tree.intersectAsync(above(2)), /the tree is closed/);
     await assert.rejects(tree.occludedAsync(above(2)), /the tree is closed/);
+    await assert.rejects(tree.completeAsync(), /the tree is closed/);
+    await assert.rejects(tree.updateAsync(TETRAHEDRON, 'refit'), /the tree is closed/);
 });
 
 test('trees close in any order', () => {

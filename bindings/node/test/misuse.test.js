@@ -92,6 +92,12 @@ const CASES = {
         (tree) => raw.htree_get_stats(tree, zeros(raw.types.htree_stats))),
     'view-size-0': () => withRawTree(
         (tree) => raw.htree_get_view(tree, zeros(raw.types.htree_view))),
+    'view-lazy': () => HTree.build(terrain(60), { kind: 'wide', lazy: true }).view(),
+    'update-how-3': () => withRawTree((tree) => raw.htree_update(tree, rawMesh(), 3, null)),
+    'update-index-out-of-range': () => HTree.build(TETRAHEDRON).update(
+        { ...TETRAHEDRON, indices: [0, 1, 4] }, 'rebuild'),
+    'update-mesh-null': () => withRawTree((tree) => raw.htree_update(tree, null, 2, null)),
+    'complete-null': () => check(raw.htree_complete(null)),
     'rays-null': () => withRawTree((tree) => raw.htree_intersect(tree, null, 1, hit, null)),
     'hits-null': () => withRawTree((tree) => raw.htree_intersect(tree, ray, 1, null, null)),
     'tree-null': () => check(raw.htree_intersect(null, ray, 1, hit, null)),

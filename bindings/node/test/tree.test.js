@@ -123,8 +123,9 @@ test('defaults are the library\'s', () => {
 
 test('every option reaches the library', () => {
     const odd = {
-        kind: 'ah', strict: true, anyPlanes: true, loosePlanes: true, threads: 1, buckets: 5,
-        axes: 3, fewPrims: 1, costSkd: 1, costBv2: 2, costBv6: 3, costIntersect: 4, cellsPerPrim: 2,
+        kind: 'ah', strict: true, anyPlanes: true, loosePlanes: true, morton: true, lazy: true,
+        threads: 1, buckets: 5, axes: 3, fewPrims: 1, costSkd: 1, costBv2: 2, costBv6: 3,
+        costIntersect: 4, cellsPerPrim: 2,
     };
     assert.deepEqual(HTree.defaults(odd), odd);
     const mesh = terrain(40);
@@ -147,13 +148,13 @@ test('calibration measures costs', () => {
 });
 
 test('a view is a copy that outlives the tree', () => {
-    const tree = HTree.build(TETRAHEDRON);
+    const tree = HTree.build(TETRAHEDRON, { kind: 'h' });
     const view = tree.view();
     const again = tree.view();
     tree.close();
     const { kind, prims, triangleCount, objectCount, bounds } = view;
     assert.deepEqual({ kind, prims, triangleCount, objectCount, bounds }, {
-        kind: 'wide',
+        kind: 'h',
         prims: 4,
         triangleCount: 4,
         objectCount: 0,
@@ -167,6 +168,11 @@ test('a view is a copy that outlives the tree', () => {
     const grid = HTree.build(terrain(8), { kind: 'ug' });
     assert.ok(grid.view().grid.byteLength > 0 && grid.view().leaves.byteLength > 0);
     grid.close();
+    const wide = HTree.build(TETRAHEDRON);
+    assert.equal(wide.view().kind, 'wide');
+    assert.equal(wide.view().triangles.length, 0);
+    assert.ok(wide.view().leaves.byteLength > 0);
+    wide.close();
 });
 
 test('import and require give the same package', async () => {

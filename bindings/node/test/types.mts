@@ -29,6 +29,9 @@ const stats: Stats = tree.stats();
 const kind: KindName = stats.kind;
 const number: number = KINDS[kind] + STATUSES.GEOMETRY + NONE + libraryVersion().length;
 const built: HTree = await HTree.buildAsync(mesh, { kind: 3 });
+const quality: number = tree.update(mesh, 'refit') + await tree.updateAsync(mesh, 'rebuild');
+quality.toFixed();
+tree.complete();
 const measured = HTree.calibrate({ kind: 'ah' });
 same<typeof measured.kind, KindName>(true);
 HTree.build({ objects: { boxes: [], intersect: (object, ray) => ({ t: ray.tmin + object }) } });
@@ -59,6 +62,8 @@ HTree.build({ vertices: [] });
 HTree.buildAsync(mesh, { progress: () => false });
 // @ts-expect-error nor does a query there
 tree.intersectAsync(rays, { progress: () => false });
+// @ts-expect-error no such way
+tree.update(mesh, 'rest');
 // @ts-expect-error doubles are no floats
 tree.intersect(new Float64Array(8));
 // @ts-expect-error build makes trees

@@ -48,6 +48,40 @@ def test_hits_are_the_same_bits_for_every_kind_and_thread_count(
                 tree.check()
 
 
+def assert_answers(scene: dict[str, Any], tree: htree.Tree) -> None:
+    rays = floats(scene["rays"], -1, 8)
+    out = np.empty(len(rays), htree.hit_dtype)
+    tree.check()
+    tree.intersect(rays, out=out)
+    np.testing.assert_array_equal(out.view(U32), np.array(scene["hits"], U32), scene["name"])
+    np.testing.assert_array_equal(tree.occluded(rays), np.array(scene["occluded"], bool))
+
+
+def mesh_of(scene: dict[str, Any]) -> tuple[NDArray[np.float32], NDArray[U32] | None]:
+    indices = scene["indices"]
+    return floats(scene["positions"], -1, 3), None if indices is None else np.array(indices, U32)
+
+
+def test_lazy_trees_and_complete_ones_give_the_same_bits(conformance: dict[str, Any]) -> None:
+    for scene in conformance["scenes"]:
+        options = htree.Options("wide", flags=htree.Flag.LAZY)
+        with htree.build(*mesh_of(scene), options) as tree:
+            assert_answers(scene, tree)
+            tree.complete()
+            assert_answers(scene, tree)
+
+
+def test_a_tree_that_goes_from_scene_to_scene_gives_the_same_bits(
+    conformance: dict[str, Any],
+) -> None:
+    for kind in conformance["kinds"]:
+        with htree.build(None, [], kind) as tree:
+            for scene in conformance["scenes"]:
+                for how in ("rebuild", "refit"):
+                    tree.update(*mesh_of(scene), how)
+                    assert_answers(scene, tree)
+
+
 def test_statuses_are_those_of_the_library(conformance: dict[str, Any]) -> None:
     assert {status.name: int(status) for status in htree.Status} == conformance["statuses"]
     for number, name in conformance["status_names"].items():
@@ -140,6 +174,21 @@ def raw_query(rays: bool = True, hits: bool = True, tree: bool = True, flags: in
     return call
 
 
+def lazy_view() -> None:
+    points = np.random.default_rng(1).random((9000, 3))
+    htree.build(points, options=htree.Options("wide", flags=htree.Flag.LAZY)).view()
+
+
+def raw_update(how: int, mesh: bool = True) -> Any:
+    def call() -> None:
+        described = ffi.new("htree_mesh *")
+        with htree.build(CORNERS, FACE) as made:
+            pointer = made._open().pointer
+            raw_call("htree_update", pointer, described if mesh else ffi.NULL, how, ffi.NULL)()
+
+    return call
+
+
 def raw_size(function: str, struct: str) -> Any:
     def call() -> None:
         with htree.build(CORNERS, FACE) as made:
@@ -169,6 +218,11 @@ MISUSE: dict[str, Callable[[], object]] = {
     "query-size-0": raw_call("htree_query_init", ffi.new("htree_query *"), 0),
     "stats-size-0": raw_size("htree_get_stats", "htree_stats *"),
     "view-size-0": raw_size("htree_get_view", "htree_view *"),
+    "view-lazy": lazy_view,
+    "update-how-3": raw_update(3),
+    "update-index-out-of-range": lambda: htree.build(CORNERS, FACE).update(CORNERS, [[0, 1, 3]]),
+    "update-mesh-null": raw_update(lib.HTREE_REFIT, mesh=False),
+    "complete-null": raw_call("htree_complete", ffi.NULL),
     "rays-null": raw_query(rays=False),
     "hits-null": raw_query(hits=False),
     "tree-null": raw_query(tree=False),

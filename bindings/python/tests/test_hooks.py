@@ -54,7 +54,7 @@ def test_progress_can_stop_a_call_at_any_report(tree: htree.Tree) -> None:
     rays = some_rays(50_000)
     for stop_at in (1, 2, 5):
         for call in (
-            lambda hook: htree.build(SOUP, progress=hook),
+            lambda hook: htree.build(SOUP, options=htree.Options(threads=1), progress=hook),
             lambda hook: tree.intersect(rays, progress=hook, threads=1),
             lambda hook: tree.occluded(rays, progress=hook, threads=1),
         ):

@@ -44,6 +44,8 @@ def test_close_is_harmless_again_and_use_after_it_is_an_error() -> None:
         lambda: tree.stats,
         tree.view,
         tree.check,
+        tree.complete,
+        lambda: tree.update(*MESH),
         tree.__enter__,
     ):
         with pytest.raises(ValueError, match="closed"):
@@ -71,13 +73,13 @@ def test_every_order_of_ends() -> None:
 
 
 def test_views_outlive_close_and_cannot_be_written(ball: Mesh) -> None:
-    tree = htree.build(*ball)
+    tree = htree.build(*ball, "h")
     view = tree.view()
     alive = weakref.ref(tree._open())
     before = view.nodes.copy()
     tree.close()
     gc.collect()
-    trees = [htree.build(*ball) for _ in range(20)]  # would take the memory if it were free
+    trees = [htree.build(*ball, "h") for _ in range(20)]  # would take the memory if it were free
     np.testing.assert_array_equal(view.nodes, before)
     assert alive() is not None
     for array in (view.triangles, view.nodes, view.leaves):
@@ -105,6 +107,8 @@ def test_a_view_is_the_mesh(ball: Mesh) -> None:
         assert (nodes["lo"][0] <= view.bounds[0]).all() and (nodes["hi"][0] >= view.bounds[1]).all()
     with htree.build(*ball, "ug") as tree:
         assert tree.view().grid.size and tree.view().leaves.size
+    with htree.build(*ball, "wide") as tree:
+        assert tree.view().triangles.shape == (0, 3, 3) and tree.view().leaves.size
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs /proc")

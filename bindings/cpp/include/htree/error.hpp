@@ -57,6 +57,9 @@ enum class kind : std::int32_t {
     best = HTREE_BEST
 };
 
+/* How tree::update brings a tree to a mesh. */
+enum class how : std::int32_t { rebuild = HTREE_REBUILD, refit = HTREE_REFIT };
+
 enum class status : std::int32_t {
     ok = HTREE_OK,
     argument = HTREE_ERROR_ARGUMENT,

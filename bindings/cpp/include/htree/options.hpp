@@ -130,6 +130,13 @@ class options {
     options &loose_planes(bool on = true) noexcept {
         return flag(HTREE_LOOSE_PLANES, on);
     }
+    options &morton(bool on = true) noexcept {
+        return flag(HTREE_MORTON, on);
+    }
+    /* Then the tree borrows the mesh's arrays until tree::complete or its end. */
+    options &lazy(bool on = true) noexcept {
+        return flag(HTREE_LAZY, on);
+    }
     options &buckets(std::uint32_t n) noexcept {
         raw_.buckets = n;
         return *this;
@@ -240,7 +247,8 @@ class load_options {
 
 /* ---- Mesh ----------------------------------------------------------------------------------- */
 
-/* Borrowed arrays, until tree::build returns. */
+/* Borrowed arrays, until tree::build or tree::update returns; a lazy tree borrows them until it is
+ * complete. */
 class mesh {
   public:
     mesh() noexcept : raw_(), objects_() {

@@ -80,23 +80,23 @@ func cameraRays() []htree.Ray {
 }
 
 // normals are those of the triangles that were hit, towards the eye; zero for the sky.
-func normals(tree *htree.Tree, rays []htree.Ray, hits []htree.Hit) ([]vec, error) {
+func normals(mesh htree.Mesh, rays []htree.Ray, hits []htree.Hit) []vec {
 	normals := make([]vec, len(hits))
-	err := tree.View(func(view htree.View) error {
-		for i, hit := range hits {
-			if !hit.IsHit() {
-				continue
-			}
-			t := view.Triangles[9*hit.Prim:]
-			a, b, c := vec{t[0], t[1], t[2]}, vec{t[3], t[4], t[5]}, vec{t[6], t[7], t[8]}
-			normals[i] = b.plus(-1, a).cross(c.plus(-1, a)).unit()
-			if normals[i].dot(rays[i].Dir) > 0 {
-				normals[i] = vec{}.plus(-1, normals[i])
-			}
+	for i, hit := range hits {
+		if !hit.IsHit() {
+			continue
 		}
-		return nil
-	})
-	return normals, err
+		var corners [3]vec
+		for k, vertex := range mesh.Indices[3*hit.Prim:][:3] {
+			copy(corners[k][:], mesh.Positions[3*vertex:])
+		}
+		a, b, c := corners[0], corners[1], corners[2]
+		normals[i] = b.plus(-1, a).cross(c.plus(-1, a)).unit()
+		if normals[i].dot(rays[i].Dir) > 0 {
+			normals[i] = vec{}.plus(-1, normals[i])
+		}
+	}
+	return normals
 }
 
 // sky are rays from every hit into the half space of its normal; those of the sky end at once.
@@ -118,7 +118,8 @@ func sky(rays []htree.Ray, hits []htree.Hit, normals []vec) []htree.Ray {
 }
 
 func render() (image.Image, error) {
-	tree, err := htree.Build(scene(96), htree.WithKind(htree.Fast))
+	mesh := scene(96)
+	tree, err := htree.Build(mesh, htree.WithKind(htree.Fast))
 	if err != nil {
 		return nil, err
 	}
@@ -128,10 +129,7 @@ func render() (image.Image, error) {
 	if err := tree.Intersect(rays, hits); err != nil {
 		return nil, err
 	}
-	normals, err := normals(tree, rays, hits)
-	if err != nil {
-		return nil, err
-	}
+	normals := normals(mesh, rays, hits)
 	up := sky(rays, hits, normals)
 	occluded := make([]bool, len(up))
 	if err := tree.Occluded(up, occluded); err != nil {

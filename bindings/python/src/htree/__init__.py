@@ -26,12 +26,12 @@ from ._errors import (
 )
 from ._hooks import Objects, Ray
 from ._options import Flag, Kind, Options, calibrate, kind_from_name, kind_name
-from ._tree import NONE, Hit, Hits, Stats, Tree, View, build, load
+from ._tree import NONE, Hit, Hits, How, Stats, Tree, View, build, load
 from .raw import lib as _lib
 
 __all__ = [
     "COORDINATE_MAX", "NONE", "ArgumentError", "Cancelled", "CorruptError", "DeviceError", "Error",
-    "Flag", "GeometryError", "Hit", "Hits", "Kind", "LimitError", "Objects", "Options",
+    "Flag", "GeometryError", "Hit", "Hits", "How", "Kind", "LimitError", "Objects", "Options",
     "OutOfMemory", "Ray", "Stats", "Status", "Tree", "Unsupported", "View", "build", "calibrate",
     "counters_dtype", "error_text", "hit_dtype", "kind_from_name", "kind_name", "lib_version",
     "load", "ray_dtype", "status_name",

@@ -49,6 +49,8 @@ class Flag(IntFlag):
     STRICT = lib.HTREE_STRICT
     ANY_PLANES = lib.HTREE_ANY_PLANES
     LOOSE_PLANES = lib.HTREE_LOOSE_PLANES
+    MORTON = lib.HTREE_MORTON
+    LAZY = lib.HTREE_LAZY
 
 
 _DEFAULT: Any = None  # as htree_options_init has it

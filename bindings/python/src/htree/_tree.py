@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import weakref
-from functools import cached_property
+import math
+from enum import Enum
 from mmap import mmap
 from types import TracebackType
 from typing import Any, NamedTuple, NoReturn
@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _hooks
 from ._errors import check
-from ._options import Kind, Options, kind_name, options_of
+from ._mesh import Mesh
+from ._options import Flag, Kind, Options, kind_name, options_of
+from ._owner import Memory, Owner
 from .raw import ffi, lib
 
 NONE = 0xFFFFFFFF  # HTREE_NONE, the prim of a miss
@@ -67,11 +69,27 @@ class Stats(NamedTuple):
     peak_bytes: int
     build_seconds: float
     sah_cost: float
+    subtrees: int
+    subtrees_built: int
+
+
+class How(str, Enum):
+    """How `Tree.update` brings a tree to a mesh: that string may stand for it, too."""
+
+    REBUILD = "rebuild"  # as htree.build would, in the memory of the builds before
+    REFIT = "refit"  # wide: the same nodes around the new positions
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+_HOW = {How.REBUILD: lib.HTREE_REBUILD, How.REFIT: lib.HTREE_REFIT}
 
 
 class View(NamedTuple):
     """htree_view: the arrays of the tree itself, read-only. They keep its memory alive, even beyond
-    `close`. Nodes, leaves and grid are bytes, laid out as lib/tree/layout.h says for it."""
+    `close`. Nodes, leaves and grid are bytes, laid out as lib/tree/layout.h says for it. Triangles
+    are none in a wide tree: its leaves hold the corners."""
 
     kind: str
     bounds: NDArray[np.float32]
@@ -85,45 +103,13 @@ class View(NamedTuple):
     grid: NDArray[np.uint8]
 
 
-class _Owner:
-    """Memory of a tree. It goes when the last of its users does: the Tree until it is closed, every
-    query while it runs, every array of a view. So close never has to wait."""
-
-    def __init__(self, pointer: Any, keep: list[Any]) -> None:
-        self.pointer = pointer
-        # Not at exit: daemon threads may still be in a query, and the system takes memory back.
-        weakref.finalize(self, _free, pointer, keep).atexit = False
-
-
-def _free(pointer: Any, keep: list[Any]) -> None:
-    lib.htree_free(pointer)
-    keep.clear()
-
-
-class _Memory:
-    """Bytes of a tree as numpy sees them: read-only, and holding the tree's memory."""
-
-    def __init__(self, owner: _Owner, address: Any, count: int, kind: str) -> None:
-        self.owner = owner
-        start = int(ffi.cast("uintptr_t", address))
-        self.__array_interface__ = {
-            "version": 3, "shape": (count,), "typestr": kind, "data": (start, True)
-        }  # fmt: skip
-
-    @classmethod
-    def array(cls, owner: _Owner, address: Any, count: int, kind: str) -> NDArray[Any]:
-        if count == 0 or address == ffi.NULL:
-            return np.frombuffer(b"", kind)
-        return np.asarray(cls(owner, address, count, kind))
-
-
 class Tree:
-    """A finished tree, from `htree.build`. It never changes, so any number of threads may query it;
-    queries release the GIL."""
+    """A tree, from `htree.build`. Any number of threads may query it; queries release the GIL. Only
+    `update` and `complete` change it: they wait for the queries that run, and queries for them."""
 
-    def __init__(self, owner: _Owner, options: Options, one_thread: bool) -> None:
-        self._owner: _Owner | None = owner
-        self._one_thread = one_thread
+    def __init__(self, owner: Owner, options: Options) -> None:
+        self._owner: Owner | None = owner
+        self._stats: Stats | None = None
         self.options = options
 
     # ---- Life -----------------------------------------------------------------------------------
@@ -136,7 +122,7 @@ class Tree:
     def closed(self) -> bool:
         return self._owner is None
 
-    def _open(self) -> _Owner:
+    def _open(self) -> Owner:
         owner = self._owner
         if owner is None:
             raise ValueError("the tree is closed")
@@ -166,6 +152,52 @@ class Tree:
             f"<htree.Tree {s.kind}: {s.triangles:,} triangles{objects}, {s.nodes:,} nodes, "
             f"depth {s.depth}, {s.bytes / 1024:,.1f} KiB, built in {s.build_seconds * 1e3:.3g} ms>"
         )
+
+    # ---- Change ---------------------------------------------------------------------------------
+
+    @property
+    def _is_lazy(self) -> bool:
+        return bool(self.options.flags & Flag.LAZY)
+
+    def complete(self) -> None:
+        """Builds what rays have not reached yet of a tree with htree.Flag.LAZY, and lets the arrays
+        of its mesh go. Does nothing to any other tree. Hits are the same before and after."""
+        owner = self._open()
+        with owner.alone():
+            _hooks.Call().run(lib.htree_complete, owner.pointer)
+            owner.mesh.drop_arrays()
+
+    def update(
+        self,
+        positions: ArrayLike | None,
+        indices: ArrayLike | None = None,
+        how: str = How.REFIT,
+        *,
+        objects: _hooks.Objects | None = None,
+    ) -> float:
+        """Brings the tree to new positions, or to another mesh, with the options that it was built
+        with; a failure leaves it as it was. Refitting is for the same triangles, and rebuilds
+        where it cannot do: see htree_update. Views must be gone, or it is a BufferError.
+
+        Returns the expected cost of a ray over that when the tree was built: 1 after a rebuild;
+        from about 1.5 on rebuilding pays.
+        """
+        owner = self._open()
+        mesh = Mesh(positions, indices, objects)
+        quality = ffi.new("double *", math.nan)  # written where the tree has changed
+        number = _HOW[How(how)]
+        with owner.alone():
+            if owner.views:
+                raise BufferError("a view of the tree is in use: update would change its arrays")
+            try:
+                _hooks.Call().run(lib.htree_update, owner.pointer, mesh.c, number, quality)
+            finally:
+                if not math.isnan(quality[0]):
+                    self._stats = None
+                    owner.mesh = mesh
+                    if not self._is_lazy:
+                        mesh.drop_arrays()
+        return float(quality[0])
 
     # ---- Query ----------------------------------------------------------------------------------
 
@@ -254,15 +286,16 @@ class Tree:
         query = ffi.new("htree_query *")
         check(lib.htree_query_init(query, ffi.sizeof("htree_query")))
         query.threads = self.options.threads if threads is None else threads
-        if self._one_thread:
-            query.threads = 1  # an object's exception belongs to the query of its thread
-        if progress is not None or self._one_thread:
-            call.report_into(query.progress)
         if counters is not None:
             _arrays.answers(counters, [_arrays.counters_dtype], rays.shape, "counters")
             query.counters = _arrays.pointer("htree_counters *", counters)
         start = _arrays.pointer("htree_ray *", rays)
-        call.run(function, owner.pointer, start, rays.size, address, query)
+        with owner.shared():
+            if owner.mesh.one_thread:
+                query.threads = 1
+            if progress is not None or owner.mesh.one_thread:
+                call.report_into(query.progress)
+            call.run(function, owner.pointer, start, rays.size, address, query)
 
     # ---- Files ----------------------------------------------------------------------------------
 
@@ -270,9 +303,10 @@ class Tree:
         """The tree as bytes, for `htree.load`. Objects are saved as their boxes."""
         owner = self._open()
         size = ffi.new("uint64_t *")
-        check(lib.htree_save(owner.pointer, ffi.NULL, 0, size))
-        file = bytearray(size[0])
-        check(lib.htree_save(owner.pointer, ffi.from_buffer(file), len(file), size))
+        with owner.shared():
+            check(lib.htree_save(owner.pointer, ffi.NULL, 0, size))
+            file = bytearray(size[0])
+            check(lib.htree_save(owner.pointer, ffi.from_buffer(file), len(file), size))
         return bytes(file)
 
     # ---- Inspect --------------------------------------------------------------------------------
@@ -282,52 +316,60 @@ class Tree:
         """The structure that the tree is."""
         return self.options.kind
 
-    @cached_property
-    def _stats(self) -> Stats:
-        owner = self._open()
-        stats = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
-        check(lib.htree_get_stats(owner.pointer, stats))
-        numbers = (getattr(stats, name) for name in Stats._fields[1:])
-        return Stats(Kind(kind_name(stats.kind)), *numbers)
-
     @property
     def stats(self) -> Stats:
-        """What the tree is made of. Walks the tree once."""
-        self._open()
-        return self._stats
+        """What the tree is made of. Walks the tree once, a lazy one every time."""
+        owner = self._open()
+        with owner.shared():
+            if self._stats is not None:
+                return self._stats
+            c = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
+            check(lib.htree_get_stats(owner.pointer, c))
+            numbers = (getattr(c, name) for name in Stats._fields[1:])
+            stats = Stats(Kind(kind_name(c.kind)), *numbers)
+            if stats.subtrees == 0:
+                self._stats = stats
+            return stats
 
     @property
     def bounds(self) -> NDArray[np.float32]:
         """(2, 3): lo and hi of everything that can be hit; +inf and -inf if there is nothing."""
         owner = self._open()
         box = ffi.new("htree_box *")
-        check(lib.htree_get_bounds(owner.pointer, box))
+        with owner.shared():
+            check(lib.htree_get_bounds(owner.pointer, box))
         return _box(box)
 
     def view(self) -> View:
-        """The arrays of the tree itself, without a copy."""
+        """The arrays of the tree itself, without a copy. A lazy tree has some once it is complete;
+        before, it is htree.Unsupported."""
         owner = self._open()
-        view = ffi.new("htree_view *", {"size": ffi.sizeof("htree_view")})
-        check(lib.htree_get_view(owner.pointer, view))
-
-        count = 9 * view.triangle_count
-        return View(
-            kind=Kind(kind_name(view.kind)),
-            bounds=_box(view.bounds),
-            prims=view.prims,
-            triangle_count=view.triangle_count,
-            object_count=view.object_count,
-            stack=view.stack,
-            triangles=_Memory.array(owner, view.triangles, count, "=f4").reshape(-1, 3, 3),
-            nodes=_Memory.array(owner, view.nodes, view.node_bytes, "=u1"),
-            leaves=_Memory.array(owner, view.leaves, view.leaf_bytes, "=u1"),
-            grid=_Memory.array(owner, view.grid, view.grid_bytes, "=u1"),
-        )
+        with owner.shared():
+            return _view(owner)
 
     def check(self) -> None:
         """Proves the structure; raises htree.CorruptError where it cannot."""
         owner = self._open()
-        check(lib.htree_check(owner.pointer))
+        with owner.shared():
+            check(lib.htree_check(owner.pointer))
+
+
+def _view(owner: Owner) -> View:
+    view = ffi.new("htree_view *", {"size": ffi.sizeof("htree_view")})
+    check(lib.htree_get_view(owner.pointer, view))
+    count = 9 * view.triangle_count
+    return View(
+        kind=Kind(kind_name(view.kind)),
+        bounds=_box(view.bounds),
+        prims=view.prims,
+        triangle_count=view.triangle_count,
+        object_count=view.object_count,
+        stack=view.stack,
+        triangles=Memory.array(owner, view.triangles, count, "=f4").reshape(-1, 3, 3),
+        nodes=Memory.array(owner, view.nodes, view.node_bytes, "=u1"),
+        leaves=Memory.array(owner, view.leaves, view.leaf_bytes, "=u1"),
+        grid=Memory.array(owner, view.grid, view.grid_bytes, "=u1"),
+    )
 
 
 def _box(box: Any) -> NDArray[np.float32]:
@@ -342,7 +384,8 @@ def build(
     objects: _hooks.Objects | None = None,
     progress: _hooks.Report | None = None,
 ) -> Tree:
-    """Builds a tree over triangles and objects; it keeps no reference to the arrays.
+    """Builds a tree over triangles and objects. It keeps no reference to the arrays, but with
+    htree.Flag.LAZY: then it reads them until `Tree.complete`, and they must not change before.
 
     positions   (n, 3): vertices. float32 is read where it lies, also with space between the rows
     indices     (m, 3): vertices of each triangle; None: every three vertices are a triangle
@@ -352,34 +395,21 @@ def build(
                 htree.Cancelled or whatever it raised is raised
     """
     options = options_of(options)
-    vertices = _arrays.rows([] if positions is None else positions, np.float32, 3, "positions")
-    corners = None if indices is None else _arrays.indices(indices)
-    if corners is None and len(vertices) % 3:
-        raise ValueError(f"{len(vertices)} vertices without indices are no whole triangles")
-
-    mesh = ffi.new("htree_mesh *")
-    mesh.positions = _arrays.pointer("float *", vertices)
-    mesh.position_stride = vertices.strides[0] if vertices.size else 0
-    mesh.vertex_count = len(vertices)
-    mesh.triangle_count = len(vertices) // 3 if corners is None else len(corners)
-    if corners is not None:
-        mesh.indices = _arrays.pointer("uint32_t *", corners)
-    settings, keep = options.to_c()
-    if objects is not None:
-        described, kept = objects.to_c()
-        mesh.objects = described
-        keep.append(kept)
-
+    mesh = Mesh(positions, indices, objects)
+    settings, hooks = options.to_c()
     call = _hooks.Call(progress)
     if progress is not None:
         call.report_into(settings.progress)
     out = ffi.new("htree **")
     try:
-        call.run(lib.htree_build, out, mesh, settings)
+        call.run(lib.htree_build, out, mesh.c, settings)
     except BaseException:
         lib.htree_free(out[0])  # there is one where a hook raised and the library went on
         raise
-    return Tree(_Owner(out[0], keep), options, objects is not None and objects.is_python)
+    tree = Tree(Owner(out[0], hooks, mesh), options)
+    if not tree._is_lazy:
+        mesh.drop_arrays()
+    return tree
 
 
 def load(
@@ -403,17 +433,17 @@ def load(
     check(lib.htree_load_options_init(made, ffi.sizeof("htree_load_options")))
     made.threads = threads
     made.flags = lib.HTREE_BORROW if borrow else 0
-    keep: list[Any] = []
+    hooks: list[Any] = []
+    mesh = Mesh(None, None, None)
     if intersect is not None:
-        keep.append(_hooks.intersect_into(made, intersect, user))
+        mesh.refer(_hooks.intersect_into(made, intersect, user), intersect)
     data = ffi.from_buffer(file)
     if borrow:
-        keep.append(data)
+        hooks.append(data)
     out = ffi.new("htree **")
     _hooks.Call().run(lib.htree_load, out, data, len(data), made)
-    owner = _Owner(out[0], keep)
+    owner = Owner(out[0], hooks, mesh)
     stats = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
     check(lib.htree_get_stats(owner.pointer, stats))
     options = Options(Kind(kind_name(stats.kind)), threads=threads)
-    one_thread = intersect is not None and _hooks.is_python_function(intersect)
-    return Tree(owner, options, one_thread)
+    return Tree(owner, options)

@@ -162,6 +162,8 @@ pub const HTREE_BEST: htree_kind = 103;
 pub const HTREE_STRICT: u32 = 1;
 pub const HTREE_ANY_PLANES: u32 = 2;
 pub const HTREE_LOOSE_PLANES: u32 = 4;
+pub const HTREE_MORTON: u32 = 8;
+pub const HTREE_LAZY: u32 = 16;
 
 /// How to build; `htree_options_init` writes every default.
 #[repr(C)]
@@ -202,7 +204,12 @@ pub struct htree_load_options {
 
 // ---- Trees ---------------------------------------------------------------------------------------
 
-/// A finished tree, seen by its address only.
+/// How `htree_update` brings a tree to a mesh: as `htree_build` would.
+pub const HTREE_REBUILD: i32 = 1;
+/// The same nodes around the new positions.
+pub const HTREE_REFIT: i32 = 2;
+
+/// A tree, seen by its address only.
 #[repr(C)]
 pub struct htree {
     _private: [u8; 0],
@@ -255,6 +262,8 @@ pub struct htree_stats {
     pub peak_bytes: u64,
     pub build_seconds: f64,
     pub sah_cost: f64,
+    pub subtrees: u64,
+    pub subtrees_built: u64,
 }
 
 /// The arrays of a finished tree; they belong to it.
@@ -297,6 +306,13 @@ extern "C" {
         out: *mut *mut htree,
         mesh: *const htree_mesh,
         options: *const htree_options,
+    ) -> htree_status;
+    pub fn htree_complete(tree: *mut htree) -> htree_status;
+    pub fn htree_update(
+        tree: *mut htree,
+        mesh: *const htree_mesh,
+        how: i32,
+        quality: *mut f64,
     ) -> htree_status;
     pub fn htree_free(tree: *mut htree);
 

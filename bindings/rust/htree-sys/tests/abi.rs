@@ -48,7 +48,7 @@ fn abi_of_this_crate() -> BTreeSet<String> {
         HTREE_ERROR_CANCELLED HTREE_ERROR_UNSUPPORTED HTREE_ERROR_CORRUPT HTREE_ERROR_NO_DEVICE
         HTREE_ERROR_DEVICE HTREE_ERROR_DEVICE_LOST HTREE_ERROR_KERNEL HTREE_NONE HTREE_UG HTREE_KD HTREE_BVH_MEDIAN HTREE_BVH_SAH HTREE_SKD HTREE_H
         HTREE_AH HTREE_WIDE HTREE_FAST HTREE_BALANCED HTREE_BEST HTREE_STRICT HTREE_ANY_PLANES
-        HTREE_LOOSE_PLANES HTREE_BORROW);
+        HTREE_LOOSE_PLANES HTREE_MORTON HTREE_LAZY HTREE_REBUILD HTREE_REFIT HTREE_BORROW);
     // All its digits, as C prints them: a float prints as few as tell it apart.
     lines.insert(format!("constant HTREE_COORDINATE_MAX {}", HTREE_COORDINATE_MAX as u64));
     layout!(lines, htree_ray { org, tmin, dir, tmax });
@@ -119,7 +119,9 @@ fn abi_of_this_crate() -> BTreeSet<String> {
             bytes,
             peak_bytes,
             build_seconds,
-            sah_cost
+            sah_cost,
+            subtrees,
+            subtrees_built
         }
     );
     layout!(
@@ -141,10 +143,10 @@ fn abi_of_this_crate() -> BTreeSet<String> {
             grid_bytes
         }
     );
-    symbols!(lines, htree_build htree_calibrate htree_check htree_error_text htree_free
-        htree_get_bounds htree_get_stats htree_get_view htree_intersect htree_kind_from_name
+    symbols!(lines, htree_build htree_calibrate htree_check htree_complete htree_error_text
+        htree_free htree_get_bounds htree_get_stats htree_get_view htree_intersect htree_kind_from_name
         htree_kind_name htree_load htree_load_options_init htree_occluded htree_options_init
-        htree_query_init htree_save htree_status_name htree_version);
+        htree_query_init htree_save htree_status_name htree_update htree_version);
     lines
 }
 

@@ -85,11 +85,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     tree.intersect(&rays, &mut hits)?;
 
     // One shadow ray a pixel, a little off the surface; those of the sky point nowhere and miss.
-    let corners = tree.view().triangles;
     let normals: Vec<_> = hits
         .iter()
         .zip(&rays)
-        .map(|(hit, ray)| corners.get(hit.prim as usize).map(|it| normal_at(it, ray)))
+        .map(|(hit, ray)| {
+            let triangle = triangles.get(hit.prim as usize)?;
+            Some(normal_at(&triangle.map(|vertex| positions[vertex as usize]), ray))
+        })
         .collect();
     let to_light = |i: usize| match normals[i] {
         Some(normal) => Ray::new(add_scaled(rays[i].at(hits[i].t), 1e-3, normal), LIGHT),

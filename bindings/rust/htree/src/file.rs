@@ -64,7 +64,8 @@ impl LoadOptions {
     /// ```
     pub fn load(&self, file: &[u8]) -> Result<Tree> {
         crate::verify_library()?;
-        let hooks = Hooks::new(self.intersect.clone(), None, None);
+        let base = Hooks::new(None, None);
+        let hooks = base.with_objects(self.intersect.clone());
         let progress = Progress::new(&hooks, None);
         let mut options = MaybeUninit::<sys::htree_load_options>::uninit();
         let size = size_of::<sys::htree_load_options>() as u64;
@@ -84,7 +85,7 @@ impl LoadOptions {
         let status = unsafe { sys::htree_load(&mut out, bytes, size, &options) };
         let result = Error::check(status);
         progress.finish();
-        result.map(|()| Tree::from_raw(out, self.threads, Arc::clone(&hooks)))
+        result.map(|()| Tree::from_raw(out, self.threads, (base, Arc::clone(&hooks))))
     }
 }
 

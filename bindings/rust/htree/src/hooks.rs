@@ -160,21 +160,27 @@ impl Panics {
     }
 }
 
-/// The hooks of one tree, which C knows by address; they live until after `htree_free`.
+/// The hooks of one tree, which C knows by address. Those of its options live until after
+/// `htree_free`, objects until `htree_update` brings others.
 pub(crate) struct Hooks {
     intersect: Option<Arc<dyn Intersect>>,
     tasks: Option<Arc<dyn Tasks>>,
     allocator: Option<Arc<dyn Allocator>>,
-    panics: Panics,
+    panics: Arc<Panics>,
 }
 
 impl Hooks {
     pub(crate) fn new(
-        intersect: Option<Arc<dyn Intersect>>,
         tasks: Option<Arc<dyn Tasks>>,
         allocator: Option<Arc<dyn Allocator>>,
     ) -> Arc<Self> {
-        Arc::new(Self { intersect, tasks, allocator, panics: Panics::default() })
+        Arc::new(Self { intersect: None, tasks, allocator, panics: Arc::default() })
+    }
+
+    /// The same hooks, and the objects of a mesh.
+    pub(crate) fn with_objects(&self, intersect: Option<Arc<dyn Intersect>>) -> Arc<Self> {
+        let (tasks, allocator) = (self.tasks.clone(), self.allocator.clone());
+        Arc::new(Self { intersect, tasks, allocator, panics: Arc::clone(&self.panics) })
     }
 
     pub(crate) fn has_objects(&self) -> bool {
@@ -362,7 +368,7 @@ mod tests {
 
     #[test]
     fn a_panic_that_waits_is_seen_by_every_query_beside_it() {
-        let hooks = Hooks::new(None, None, None);
+        let hooks = Hooks::new(None, None);
         let text = |before| {
             let panic = catch_unwind(AssertUnwindSafe(|| hooks.resume_panic(before))).err()?;
             panic.downcast_ref::<&str>().map(|text| text.to_string())

@@ -13,9 +13,10 @@
 //! ```
 //!
 //! Data takes one way: [`Mesh`] -> [`Tree::build`] -> [`Tree::intersect`] -> [`Hit`]s. A mesh borrows
-//! your slices for the build; a tree copies what it keeps, never changes, and is `Send + Sync`. The
-//! closest hit is the same bits for every [`Kind`], batch and number of threads. Queries take whole
-//! batches and spread them over all cores; one ray is a batch of one.
+//! your slices for the build; a tree copies what it keeps, changes by [`Tree::update`] only, and is
+//! `Send + Sync`. A [`LazyTree`] borrows them until it is complete. The closest hit is the same bits
+//! for every [`Kind`], batch and number of threads. Queries take whole batches and spread them over
+//! all cores; one ray is a batch of one.
 //!
 //! A panic in a closure of yours does not cross the C library: the call is cancelled, and the panic
 //! goes on in the thread that made it.
@@ -23,6 +24,7 @@
 #![deny(unsafe_op_in_unsafe_fn)]
 #![warn(missing_debug_implementations)]
 
+mod change;
 mod error;
 mod file;
 mod hooks;
@@ -33,6 +35,7 @@ mod ray;
 mod tree;
 mod view;
 
+pub use change::{How, LazyTree};
 pub use error::{Error, ErrorKind, Result};
 pub use file::LoadOptions;
 pub use hooks::{Allocator, Tasks};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 use crate::hooks::Hooks;
-use crate::{Allocator, Error, ErrorKind, Intersect, Result, Tasks};
+use crate::{Allocator, Error, ErrorKind, Result, Tasks};
 use htree_sys as sys;
 use std::ffi::{CStr, CString};
 use std::fmt;
@@ -256,6 +256,12 @@ impl Options {
         /// let options = htree::Options::new(htree::Kind::AH).loose_planes(true);
         /// ```
         loose_planes: sys::HTREE_LOOSE_PLANES,
+        /// WIDE: Morton order below the grid: faster to build, slower to trace.
+        ///
+        /// ```
+        /// let options = htree::Options::new(htree::Kind::WIDE).morton(true);
+        /// ```
+        morton: sys::HTREE_MORTON,
     }
 
     /// A parallel loop for the build and the queries of its tree, in place of the library's threads.
@@ -316,9 +322,9 @@ impl Options {
         self.refused.clone().map_or(Ok(()), Err)
     }
 
-    /// The hooks of a tree with these options and objects.
-    pub(crate) fn to_hooks(&self, intersect: Option<Arc<dyn Intersect>>) -> Arc<Hooks> {
-        Hooks::new(intersect, self.tasks.clone(), self.allocator.clone())
+    /// The hooks of a tree with these options.
+    pub(crate) fn to_hooks(&self) -> Arc<Hooks> {
+        Hooks::new(self.tasks.clone(), self.allocator.clone())
     }
 
     pub(crate) fn to_raw(&self, hooks: &Arc<Hooks>) -> Result<sys::htree_options> {

@@ -8,7 +8,8 @@ use std::ops::ControlFlow;
 use std::ptr::{null_mut, NonNull};
 use std::sync::Arc;
 
-/// A finished tree. It never changes: share it between any number of threads.
+/// A finished tree. Share it between any number of threads; only [`update`](Self::update) changes
+/// it, which needs it for itself.
 ///
 /// ```
 /// use htree::{Hit, Mesh, Ray, Tree};
@@ -24,11 +25,13 @@ pub struct Tree {
     tree: NonNull<sys::htree>,
     /// The threads of the options, which queries take unless they say otherwise.
     threads: u32,
-    /// After `tree`, which C frees through them.
-    hooks: Arc<Hooks>,
+    /// Of the options and the last mesh; what queries look at.
+    pub(crate) hooks: Arc<Hooks>,
+    /// Of the options. After `tree`, which C frees through them.
+    pub(crate) base: Arc<Hooks>,
 }
 
-// SAFETY: a finished tree never changes, C lets any thread query and free it, and every hook that it
+// SAFETY: a tree changes by `&mut` only, C lets any thread query and free it, and every hook that it
 // holds is Send + Sync.
 unsafe impl Send for Tree {}
 unsafe impl Sync for Tree {}
@@ -54,7 +57,7 @@ impl Tree {
     /// # Ok::<(), htree::Error>(())
     /// ```
     pub fn build(mesh: &Mesh<'_>, options: &Options) -> Result<Self> {
-        Self::build_reporting(mesh, options, None)
+        Self::build_reporting(mesh, options, 0, None)
     }
 
     /// As [`build`](Self::build); calls `report` with the share that is done, on this thread, and
@@ -73,23 +76,28 @@ impl Tree {
         options: &Options,
         mut report: impl FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Self> {
-        Self::build_reporting(mesh, options, Some(&mut report))
+        Self::build_reporting(mesh, options, 0, Some(&mut report))
     }
 
-    fn build_reporting<'r>(
+    /// With these flags besides those of the options. If HTREE_LAZY is one of them, the mesh's slices
+    /// must stay as they are until `complete`.
+    pub(crate) fn build_reporting<'r>(
         mesh: &Mesh<'_>,
         options: &Options,
+        flags: u32,
         report: Option<&'r mut Report<'r>>,
     ) -> Result<Self> {
         crate::verify_library()?;
-        let hooks = options.to_hooks(mesh.intersect());
+        let base = options.to_hooks();
+        let hooks = base.with_objects(mesh.intersect());
         let mut raw_mesh = mesh.to_raw()?;
         let objects = hooks.to_objects(mesh.boxes());
         if hooks.has_objects() {
             raw_mesh.objects = &objects;
         }
         let mut progress = Progress::new(&hooks, report);
-        let mut raw_options = options.to_raw(&hooks)?;
+        let mut raw_options = options.to_raw(&base)?;
+        raw_options.flags |= flags;
         raw_options.progress = progress.as_hook();
         let mut out = null_mut();
         // SAFETY: the slices, options and hooks live through the call, and the hooks, which the
@@ -100,15 +108,20 @@ impl Tree {
             tree,
             threads: raw_options.threads,
             hooks: Arc::clone(&hooks),
+            base,
         });
         progress.finish();
         result.map(|()| tree.expect("C gives a tree or an error"))
     }
 
     /// A tree that C has given.
-    pub(crate) fn from_raw(tree: *mut sys::htree, threads: u32, hooks: Arc<Hooks>) -> Self {
+    pub(crate) fn from_raw(
+        tree: *mut sys::htree,
+        threads: u32,
+        (base, hooks): (Arc<Hooks>, Arc<Hooks>),
+    ) -> Self {
         let tree = NonNull::new(tree).expect("C gives a tree or an error");
-        Self { tree, threads, hooks }
+        Self { tree, threads, hooks, base }
     }
 
     /// Writes the closest hit of every ray: `hits[i]` of `rays[i]`. Spreads a large batch over cores.
@@ -257,26 +270,26 @@ impl Tree {
         Ok(Stats::from_raw(&stats))
     }
 
-    /// The arrays of the tree, for devices, viewers and files; they borrow it.
+    /// The arrays of the tree, for devices, viewers and files; they borrow it. Fails with
+    /// [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported) for a [`LazyTree`](crate::LazyTree).
     ///
     /// ```
-    /// use htree::{Mesh, Tree};
+    /// use htree::{Kind, Mesh, Options, Tree};
     /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let tree = Tree::new(&Mesh::new(&corners))?;
-    /// assert_eq!(tree.view().triangles, [corners]);
+    /// let tree = Tree::build(&Mesh::new(&corners), &Options::new(Kind::H))?;
+    /// assert_eq!(tree.view()?.triangles, [corners]);
     /// # Ok::<(), htree::Error>(())
     /// ```
-    pub fn view(&self) -> View<'_> {
+    pub fn view(&self) -> Result<View<'_>> {
         let mut view = MaybeUninit::<sys::htree_view>::zeroed();
-        // SAFETY: zeros are a view of nothing; C fails for another size and for NULL only.
+        // SAFETY: zeros are a view of nothing, which C fills unless it fails.
         let view = unsafe {
             (*view.as_mut_ptr()).size = size_of::<sys::htree_view>() as u32;
-            let status = sys::htree_get_view(self.as_ptr(), view.as_mut_ptr());
-            debug_assert_eq!(status, sys::HTREE_OK);
+            Error::check(sys::htree_get_view(self.as_ptr(), view.as_mut_ptr()))?;
             view.assume_init()
         };
-        // SAFETY: the arrays are as long as they say, and live and stay the same as long as the tree.
-        unsafe { View::from_raw(&view) }
+        // SAFETY: the arrays are as long as they say, and live and stay the same while borrowed.
+        Ok(unsafe { View::from_raw(&view) })
     }
 
     /// Proves the structure: every box and plane contains what lies below it, every triangle is
@@ -305,6 +318,11 @@ impl Tree {
     pub fn as_ptr(&self) -> *const sys::htree {
         self.tree.as_ptr()
     }
+
+    /// For the calls that change it.
+    pub(crate) fn as_mut_ptr(&mut self) -> *mut sys::htree {
+        self.tree.as_ptr()
+    }
 }
 
 fn ray_pointer(rays: &[Ray]) -> *const sys::htree_ray {
@@ -320,11 +338,10 @@ impl Drop for Tree {
 
 impl fmt::Debug for Tree {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let view = self.view();
-        f.debug_struct("Tree")
-            .field("kind", &view.kind)
-            .field("prims", &view.prims)
-            .field("bounds", &view.bounds)
-            .finish_non_exhaustive()
+        let mut fields = f.debug_struct("Tree");
+        if let Ok(view) = self.view() {
+            fields.field("kind", &view.kind).field("prims", &view.prims);
+        }
+        fields.field("bounds", &self.bounds()).finish_non_exhaustive()
     }
 }

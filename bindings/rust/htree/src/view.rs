@@ -56,6 +56,10 @@ pub struct Stats {
     pub build_seconds: f64,
     /// Expected cost of a random ray that meets the bounds, in the unit of the options' costs.
     pub sah_cost: f64,
+    /// Of a [`LazyTree`](crate::LazyTree): left to rays; else 0.
+    pub subtrees: u64,
+    /// Of these, built by now.
+    pub subtrees_built: u64,
 }
 
 impl Stats {
@@ -81,6 +85,8 @@ impl Stats {
             peak_bytes: raw.peak_bytes,
             build_seconds: raw.build_seconds,
             sah_cost: raw.sah_cost,
+            subtrees: raw.subtrees,
+            subtrees_built: raw.subtrees_built,
         }
     }
 }
@@ -93,9 +99,9 @@ impl Stats {
 /// ```
 /// use htree::{Mesh, Tree};
 /// let tree = Tree::new(&Mesh::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))?;
-/// let view = tree.view();
-/// assert_eq!((view.prims, view.triangles.len()), (1, 1));
-/// assert!(!view.nodes.is_empty());
+/// let view = tree.view()?;
+/// assert_eq!((view.kind, view.prims), (htree::Kind::WIDE, 1));
+/// assert!(!view.leaves.is_empty() && view.triangles.is_empty());
 /// # Ok::<(), htree::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +117,7 @@ pub struct View<'t> {
     pub object_count: u32,
     /// Entries that a traversal stack can need at most.
     pub stack: u32,
-    /// Three corners a triangle; a skipped one is all 0.
+    /// Three corners a triangle; a skipped one is all 0. WIDE: empty, its leaves hold the corners.
     pub triangles: &'t [[[f32; 3]; 3]],
     /// Nodes, root first.
     pub nodes: &'t [u8],

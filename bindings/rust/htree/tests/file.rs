@@ -31,7 +31,7 @@ fn a_saved_tree_comes_back() {
         back.intersect(&rays, &mut hits[1]).unwrap();
         assert_eq!(hits[0], hits[1]);
         assert_eq!(back.save().unwrap(), file);
-        assert_eq!(back.view().kind, kind);
+        assert_eq!(back.view().unwrap().kind, kind);
         back.check().unwrap();
     }
 }

@@ -44,7 +44,8 @@ fn objects_are_hit_beside_triangles() {
     let beside = Ray::new([2.0, 0.0, 99.0], [0.0, 0.0, -1.0]);
     assert_eq!(tree.intersect_one(&beside).unwrap().unwrap().prim, 0);
     assert_eq!(tree.stats().unwrap().objects, 30);
-    assert_eq!((tree.view().object_count, tree.view().prims), (30, 31));
+    let view = tree.view().unwrap();
+    assert_eq!((view.object_count, view.prims), (30, 31));
 }
 
 #[test]

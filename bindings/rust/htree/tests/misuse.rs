@@ -5,7 +5,7 @@
 mod common;
 
 use common::{conformance, rays_down, terrain};
-use htree::{sys, ErrorKind, Hit, Kind, Mesh, Options, Query, Ray, Tree};
+use htree::{sys, ErrorKind, Hit, How, Kind, LazyTree, Mesh, Options, Query, Ray, Tree};
 use std::mem::{size_of, zeroed};
 use std::ops::ControlFlow;
 use std::ptr::{null, null_mut};
@@ -76,6 +76,17 @@ fn raw_query(call: impl FnOnce(*const sys::htree, &mut sys::htree_query) -> i32)
     call(tree.as_ptr(), &mut query)
 }
 
+fn raw_update(mesh: *const sys::htree_mesh, how: i32) -> i32 {
+    let (good, options) = raw();
+    let mut tree = null_mut();
+    unsafe {
+        assert_eq!(sys::htree_build(&mut tree, &good, &options), sys::HTREE_OK);
+        let status = sys::htree_update(tree, mesh, how, null_mut());
+        sys::htree_free(tree);
+        status
+    }
+}
+
 fn make_mistake(case: &str) -> i32 {
     let ray = Ray::new([0.0; 3], [0.0, 0.0, 1.0]);
     let ray: *const sys::htree_ray = (&ray as *const Ray).cast();
@@ -109,6 +120,18 @@ fn make_mistake(case: &str) -> i32 {
             sys::htree_get_stats(tree, &mut sys::htree_stats::default())
         }),
         "view-size-0" => raw_query(|tree, _| unsafe { sys::htree_get_view(tree, &mut zeroed()) }),
+        "view-lazy" => {
+            let (positions, triangles) = terrain(60);
+            let mesh = Mesh::new(&positions).indices(&triangles);
+            code(LazyTree::build(&mesh, &Options::new(Kind::WIDE)).unwrap().view())
+        }
+        "update-how-3" => raw_update(&raw().0, 3),
+        "update-index-out-of-range" => {
+            let mut tree = Tree::new(&Mesh::new(&CORNERS)).unwrap();
+            code(tree.update(&Mesh::new(&CORNERS).indices(&[[0, 1, 3]]), How::Rebuild))
+        }
+        "update-mesh-null" => raw_update(null(), sys::HTREE_REFIT),
+        "complete-null" => unsafe { sys::htree_complete(null_mut()) },
         "rays-null" => {
             raw_query(|tree, query| unsafe { sys::htree_intersect(tree, null(), 1, hit, query) })
         }
@@ -182,8 +205,10 @@ fn flags_add_up_and_go_away() {
 fn a_stride_reads_no_further_than_the_slice() {
     // The last vertex has no room for a whole stride, and needs none.
     let floats = [0.0, 0.0, 0.0, 9.0, 1.0, 0.0, 0.0, 9.0, 0.0, 1.0, 0.0];
-    let tree = Tree::new(&Mesh::from_floats(&floats).position_stride(16)).unwrap();
-    assert_eq!((tree.bounds().hi, tree.view().triangles), ([1.0, 1.0, 0.0], &[CORNERS][..]));
+    let mesh = Mesh::from_floats(&floats).position_stride(16);
+    let tree = Tree::build(&mesh, &Options::new(Kind::H)).unwrap();
+    assert_eq!(tree.bounds().hi, [1.0, 1.0, 0.0]);
+    assert_eq!(tree.view().unwrap().triangles, [CORNERS]);
 }
 
 #[test]

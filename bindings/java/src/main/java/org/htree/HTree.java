@@ -2,6 +2,7 @@
 package org.htree;
 
 import com.sun.jna.Pointer;
+import com.sun.jna.ptr.DoubleByReference;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.lang.ref.Cleaner;
@@ -12,7 +13,8 @@ import org.htree.raw.LibHTree;
 import org.htree.raw.Structs;
 
 /**
- * A hierarchy over a mesh, built once and never changed, so any number of threads may query it.
+ * A hierarchy over a mesh. Any number of threads may query it; only {@link #update} and {@link
+ * #complete} change it: they wait for the queries that run, and queries for them.
  *
  * <pre>{@code
  * try (HTree tree = HTree.build(mesh)) {
@@ -70,7 +72,54 @@ public final class HTree implements AutoCloseable {
             throw progress.thrown();
         }
         HTreeException.check(status);
-        return new HTree(new Handle(out.getValue(), objects));
+        return new HTree(new Handle(out.getValue(), options.lazy(), mesh, objects));
+    }
+
+    /**
+     * Builds what rays have not reached yet of a tree with {@link Options#lazy}, on all cores, and
+     * lets its mesh go. Does nothing to any other tree. Hits are the same before and after.
+     *
+     * @throws IllegalStateException if the tree is closed, or if a callback of a query on it calls
+     *     this on the query's thread; on another thread it would wait for itself
+     */
+    public void complete() {
+        Pointer tree = handle.acquireAlone();
+        try {
+            HTreeException.check(LibHTree.htree_complete(tree));
+            handle.dropMesh();
+        } finally {
+            handle.release();
+        }
+    }
+
+    /**
+     * Brings the tree to new positions, or with {@link How#REBUILD} to any mesh at all, with the
+     * options that it was built with. What throws leaves the tree as it was.
+     *
+     * <p>Refitting is for a mesh of as many triangles and objects. The tree is rebuilt where it
+     * cannot do: other kinds, a lazy tree, or other triangles than before that can be hit.
+     *
+     * @param mesh as it is now
+     * @param how to bring the tree there
+     * @return the expected cost of a ray over that when the tree was built: 1 after a rebuild; from
+     *     about 1.5 on rebuilding pays
+     * @throws HTreeException ARGUMENT, MEMORY, LIMIT, GEOMETRY
+     * @throws IllegalStateException as {@link #complete}
+     */
+    public double update(Mesh mesh, How how) {
+        ObjectCallback objects = mesh.newCallback();
+        DoubleByReference quality = new DoubleByReference();
+        Structs.Mesh struct = mesh.toStruct(objects);
+        int code = how.code();
+        Pointer tree = handle.acquireAlone();
+        try {
+            HTreeException.check(LibHTree.htree_update(tree, struct, code, quality));
+            handle.keep(mesh, objects);
+        } finally {
+            handle.release();
+            Reference.reachabilityFence(mesh);
+        }
+        return quality.getValue();
     }
 
     /**
@@ -110,7 +159,7 @@ public final class HTree implements AutoCloseable {
             Reference.reachabilityFence(bytes);
         }
         HTreeException.check(status);
-        return new HTree(new Handle(out.getValue(), objects));
+        return new HTree(new Handle(out.getValue(), false, null, objects));
     }
 
     /**
@@ -231,6 +280,7 @@ public final class HTree implements AutoCloseable {
      * Copies the arrays of the tree.
      *
      * @return the copies
+     * @throws HTreeException UNSUPPORTED for a lazy tree that is not complete
      * @throws IllegalArgumentException if an array exceeds the 2 GiB of a Java buffer
      */
     public View view() {
@@ -302,9 +352,9 @@ public final class HTree implements AutoCloseable {
             requireRoom("counters", query.counters().count(), rays);
         }
         ProgressCallback progress = ProgressCallback.of(query == null ? null : query.progress());
-        ObjectCallback objects = handle.callback();
         Pointer tree = handle.acquire();
         try {
+            ObjectCallback objects = handle.callback();
             long failures = objects == null ? 0 : objects.failures();
             int status = trace.run(tree, Direct.address(rays.buffer()), rays.count(),
                     Direct.address(answers), query == null ? null : query.toStruct(progress));

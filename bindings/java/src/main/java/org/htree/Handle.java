@@ -2,27 +2,31 @@
 package org.htree;
 
 import com.sun.jna.Pointer;
-import java.util.concurrent.atomic.AtomicBoolean;
-import java.util.concurrent.atomic.AtomicInteger;
+import java.util.ArrayList;
+import java.util.List;
 import java.util.concurrent.atomic.AtomicLong;
 import org.htree.raw.LibHTree;
 
 /**
- * A tree of the library and how many use it: its owner, and every call that runs on it. The last to
- * let go frees it, so closing during a query waits for nothing and breaks nothing, not even from a
- * callback of that query.
+ * A tree of the library and the calls that use it: any number that leave it as it is, or one that
+ * changes it. The last to let go of a closed tree frees it, so closing during a query waits for
+ * nothing and breaks nothing, not even from a callback of that query.
  */
 final class Handle implements Runnable {
     private static final AtomicLong LIVE = new AtomicLong();
 
     private final Pointer tree;
-    private final ObjectCallback callback;
-    private final AtomicBoolean closed = new AtomicBoolean();
-    private final AtomicInteger users = new AtomicInteger(1);
+    private final boolean lazy;
+    private Mesh mesh;
+    private ObjectCallback callback;
+    private final List<Thread> users = new ArrayList<>();
+    private boolean changing;
+    private boolean closed;
 
-    Handle(Pointer tree, ObjectCallback callback) {
+    Handle(Pointer tree, boolean lazy, Mesh mesh, ObjectCallback callback) {
         this.tree = tree;
-        this.callback = callback;
+        this.lazy = lazy;
+        keep(mesh, callback);
         LIVE.incrementAndGet();
     }
 
@@ -31,39 +35,92 @@ final class Handle implements Runnable {
         return LIVE.get();
     }
 
-    /** The callback of the tree's objects, or null. C knows but its address; this keeps it. */
+    /** What C knows by address only: the tree's objects, and what a lazy one reads. */
+    void keep(Mesh newMesh, ObjectCallback newCallback) {
+        mesh = lazy ? newMesh : null;
+        callback = newCallback;
+    }
+
+    /** The arrays are not needed any more. */
+    void dropMesh() {
+        mesh = null;
+    }
+
+    /** The callback of the tree's objects, or null. Call {@link #acquire} first. */
     ObjectCallback callback() {
         return callback;
     }
 
-    /** The tree, until {@link #release}. */
-    Pointer acquire() {
-        int now;
-        do {
-            now = users.get();
-            if (closed.get() || now == 0) {
-                throw new IllegalStateException("the tree is closed");
-            }
-        } while (!users.compareAndSet(now, now + 1));
-        return tree;
+    /** The tree as it is, until {@link #release}. */
+    synchronized Pointer acquire() {
+        boolean interrupted = false;
+        while (changing && !closed) {
+            interrupted |= waitForRelease();
+        }
+        return enter(interrupted);
     }
 
-    void release() {
-        if (users.decrementAndGet() == 0) {
-            LibHTree.htree_free(tree);
-            LIVE.decrementAndGet();
+    /** The tree for a call that changes it, until {@link #release}. */
+    synchronized Pointer acquireAlone() {
+        if (users.contains(Thread.currentThread())) {
+            throw new IllegalStateException("a callback cannot change the tree that it serves");
+        }
+        boolean interrupted = false;
+        while (!users.isEmpty() && !closed) {
+            interrupted |= waitForRelease();
+        }
+        Pointer alone = enter(interrupted);
+        changing = true;
+        return alone;
+    }
+
+    private boolean waitForRelease() {
+        try {
+            wait();
+            return false;
+        } catch (InterruptedException interrupt) {
+            return true;
         }
     }
 
-    boolean isClosed() {
-        return closed.get();
+    private Pointer enter(boolean interrupted) {
+        if (interrupted) {
+            Thread.currentThread().interrupt();
+        }
+        if (closed) {
+            throw new IllegalStateException("the tree is closed");
+        }
+        users.add(Thread.currentThread());
+        return tree;
+    }
+
+    synchronized void release() {
+        users.remove(Thread.currentThread());
+        changing = false;
+        notifyAll();
+        freeIfUnused();
+    }
+
+    synchronized boolean isClosed() {
+        return closed;
     }
 
     /** Closes: the owner lets go, once. */
     @Override
-    public void run() {
-        if (closed.compareAndSet(false, true)) {
-            release();
+    public synchronized void run() {
+        if (!closed) {
+            closed = true;
+            notifyAll();
+            freeIfUnused();
+        }
+    }
+
+    private void freeIfUnused() {
+        if (closed && users.isEmpty()) {
+            LibHTree.htree_free(tree);
+            mesh = null;
+            callback = null;
+            LIVE.decrementAndGet();
         }
     }
 }

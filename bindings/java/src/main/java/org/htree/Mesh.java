@@ -7,7 +7,8 @@ import org.htree.raw.Structs;
 
 /**
  * Triangles, and objects if any. Direct buffers in native order are borrowed, and must not change
- * until {@link HTree#build} returns; arrays and other buffers are copied.
+ * until {@link HTree#build} or {@link HTree#update} returns, and with {@link Options#lazy} until
+ * the tree is complete or closed; arrays and other buffers are copied.
  */
 public final class Mesh {
     private static final int VERTEX_BYTES = 12;

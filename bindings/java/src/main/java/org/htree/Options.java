@@ -11,6 +11,9 @@ import org.htree.raw.Structs;
  * @param strict refuse NaN, infinite and oversize coordinates instead of skipping them
  * @param anyPlanes H, AH: bounding nodes of any of 63 plane sets, not BV2 and BV6 only
  * @param loosePlanes AH: planes as the grid gives them, half a cell wide
+ * @param morton WIDE: Morton order below the grid: faster to build, slower to trace
+ * @param lazy WIDE: only the top is built, the rest by the first ray that gets there; see
+ *     {@link HTree#complete}
  * @param threads of queries: 0 all cores, 1 the caller's, n at most n
  * @param buckets M of the paper's section 5, 2 to 64
  * @param axes 1: split along the widest extent only; 3: try all axes
@@ -24,13 +27,15 @@ import org.htree.raw.Structs;
  */
 public record Options(
         Kind kind, boolean strict, boolean anyPlanes, boolean loosePlanes,
-        int threads, int buckets, int axes,
+        boolean morton, boolean lazy, int threads, int buckets, int axes,
         float costSkd, float costBv2, float costBv6, float costIntersect,
         float cellsPerPrim, int fewPrims, Progress progress) {
 
     private static final int STRICT = 1;
     private static final int ANY_PLANES = 2;
     private static final int LOOSE_PLANES = 4;
+    private static final int MORTON = 8;
+    private static final int LAZY = 16;
 
     /**
      * The defaults of a kind.
@@ -78,6 +83,7 @@ public record Options(
     private static Options of(Structs.Options s, Progress progress) {
         return new Options(Kind.of(s.kind), (s.flags & STRICT) != 0,
                 (s.flags & ANY_PLANES) != 0, (s.flags & LOOSE_PLANES) != 0,
+                (s.flags & MORTON) != 0, (s.flags & LAZY) != 0,
                 s.threads, s.buckets, s.axes, s.costSkd, s.costBv2, s.costBv6, s.costIntersect,
                 s.cellsPerPrim, s.fewPrims, progress);
     }
@@ -86,7 +92,7 @@ public record Options(
         Structs.Options s = new Structs.Options();
         HTreeException.check(LibHTree.htree_options_init(s, s.size(), kind.code()));
         s.flags = (strict ? STRICT : 0) | (anyPlanes ? ANY_PLANES : 0)
-                | (loosePlanes ? LOOSE_PLANES : 0);
+                | (loosePlanes ? LOOSE_PLANES : 0) | (morton ? MORTON : 0) | (lazy ? LAZY : 0);
         s.threads = Query.requireThreads(threads);
         s.buckets = buckets;
         s.axes = axes;
@@ -106,6 +112,8 @@ public record Options(
         private boolean strict;
         private boolean anyPlanes;
         private boolean loosePlanes;
+        private boolean morton;
+        private boolean lazy;
         private int threads;
         private int buckets;
         private int axes;
@@ -122,6 +130,8 @@ public record Options(
             strict = from.strict;
             anyPlanes = from.anyPlanes;
             loosePlanes = from.loosePlanes;
+            morton = from.morton;
+            lazy = from.lazy;
             threads = from.threads;
             buckets = from.buckets;
             axes = from.axes;
@@ -164,6 +174,31 @@ public record Options(
          */
         public Builder loosePlanes(boolean value) {
             loosePlanes = value;
+            return this;
+        }
+
+        /**
+         * Lets WIDE order what lies below its grid by Morton codes: faster to build, slower to
+         * trace.
+         *
+         * @param value true for Morton order
+         * @return this
+         */
+        public Builder morton(boolean value) {
+            morton = value;
+            return this;
+        }
+
+        /**
+         * Lets WIDE build only its top, and the rest by the first ray that gets there. The tree
+         * keeps the mesh until {@link HTree#complete} or {@link HTree#close}, and the mesh's direct
+         * buffers must not change before.
+         *
+         * @param value true for a lazy tree
+         * @return this
+         */
+        public Builder lazy(boolean value) {
+            lazy = value;
             return this;
         }
 
@@ -256,8 +291,9 @@ public record Options(
          * @return the options
          */
         public Options build() {
-            return new Options(kind, strict, anyPlanes, loosePlanes, threads, buckets, axes,
-                    costSkd, costBv2, costBv6, costIntersect, cellsPerPrim, fewPrims, progress);
+            return new Options(kind, strict, anyPlanes, loosePlanes, morton, lazy, threads, buckets,
+                    axes, costSkd, costBv2, costBv6, costIntersect, cellsPerPrim, fewPrims,
+                    progress);
         }
     }
 }

@@ -26,17 +26,20 @@ import org.htree.raw.Structs;
  * @param peakBytes most memory held at any time of the build
  * @param buildSeconds T_C, wall clock
  * @param sahCost expected cost of a random ray that meets the bounds, in the options' unit
+ * @param subtrees of a lazy tree: left to rays; else 0
+ * @param subtreesBuilt of these, built by now
  */
 public record Stats(
         Kind kind, long triangles, long objects, long invalid, long degenerate,
         long nodes, long leaves, long references, long skdNodes, long bv2Nodes, long bv6Nodes,
         long linkNodes, long bvoNodes, long ternaryNodes, int depth, int stack,
-        long bytes, long peakBytes, double buildSeconds, double sahCost) {
+        long bytes, long peakBytes, double buildSeconds, double sahCost,
+        long subtrees, long subtreesBuilt) {
 
     static Stats of(Structs.Stats s) {
         return new Stats(Kind.of(s.kind), s.triangles, s.objects, s.invalid, s.degenerate,
                 s.nodes, s.leaves, s.references, s.skdNodes, s.bv2Nodes, s.bv6Nodes,
                 s.linkNodes, s.bvoNodes, s.ternaryNodes, s.depth, s.stack,
-                s.bytes, s.peakBytes, s.buildSeconds, s.sahCost);
+                s.bytes, s.peakBytes, s.buildSeconds, s.sahCost, s.subtrees, s.subtreesBuilt);
     }
 }

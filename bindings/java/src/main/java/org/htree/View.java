@@ -16,7 +16,8 @@ import org.htree.raw.Structs;
  * @param triangleCount of the mesh; prims from here on are objects
  * @param objectCount of the mesh
  * @param stack entries that a traversal stack can need at most
- * @param triangles nine floats a triangle, v0 v1 v2; a skipped one is all 0
+ * @param triangles nine floats a triangle, v0 v1 v2; a skipped one is all 0. Empty in WIDE, whose
+ *     leaves hold the corners
  * @param nodes root first
  * @param leaves empty in kinds that have none
  * @param grid empty in kinds that have none

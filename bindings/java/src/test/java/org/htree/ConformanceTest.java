@@ -37,15 +37,9 @@ class ConformanceTest {
     }
 
     private static void agree(Scene scene, Kind kind, int threads) {
-        Rays rays = scene.traced();
         Options options = Options.builder(kind).threads(threads).build();
         try (HTree tree = HTree.build(scene.mesh(), options)) {
-            tree.check();
-            assertArrayEquals(Conformance.words(scene.hits), Fixtures.words(tree.intersect(rays)));
-            ByteBuffer occluded = tree.occluded(rays);
-            for (int i = 0; i < rays.count(); ++i) {
-                assertEquals(scene.occluded[i], occluded.get(i), "ray " + i);
-            }
+            assertAnswers(scene, tree);
             Box box = tree.bounds();
             float[] bounds = {
                 box.loX(), box.loY(), box.loZ(), box.hiX(), box.hiY(), box.hiZ()};
@@ -58,6 +52,43 @@ class ConformanceTest {
             assertEquals(scene.stats.objects, stats.objects());
             assertEquals(scene.stats.invalid, stats.invalid());
             assertEquals(scene.stats.degenerate, stats.degenerate());
+        }
+    }
+
+    private static void assertAnswers(Scene scene, HTree tree) {
+        Rays rays = scene.traced();
+        tree.check();
+        assertArrayEquals(Conformance.words(scene.hits), Fixtures.words(tree.intersect(rays)));
+        ByteBuffer occluded = tree.occluded(rays);
+        for (int i = 0; i < rays.count(); ++i) {
+            assertEquals(scene.occluded[i], occluded.get(i), "ray " + i);
+        }
+    }
+
+    @Test
+    void lazyTreesAndCompleteOnesGiveTheBitsOfC() {
+        Options lazy = Options.builder(Kind.WIDE).lazy(true).build();
+        for (Scene scene : FILE.scenes) {
+            try (HTree tree = HTree.build(scene.mesh(), lazy)) {
+                assertAnswers(scene, tree);
+                tree.complete();
+                assertAnswers(scene, tree);
+            }
+        }
+    }
+
+    @Test
+    void treeThatGoesFromSceneToSceneGivesTheBitsOfC() {
+        for (String kind : FILE.kinds) {
+            Options options = Options.of(Kind.fromLabel(kind));
+            try (HTree tree = HTree.build(Mesh.builder().build(), options)) {
+                for (Scene scene : FILE.scenes) {
+                    for (How how : How.values()) {
+                        tree.update(scene.mesh(), how);
+                        assertAnswers(scene, tree);
+                    }
+                }
+            }
         }
     }
 

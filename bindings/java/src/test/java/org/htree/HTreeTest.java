@@ -80,6 +80,7 @@ class HTreeTest {
         assertEquals(64, options.buckets());
         assertEquals(1.2f, options.costBv6());
         assertEquals(options, options.toBuilder().build());
+        assertTrue(Options.of(Kind.FAST).morton());
         assertNotEquals(options, options.toBuilder().strict(true).build());
     }
 
@@ -129,10 +130,10 @@ class HTreeTest {
 
     @Test
     void viewIsACopyThatOutlivesTheTree() {
-        HTree tree = HTree.build(Fixtures.tetrahedron());
+        HTree tree = HTree.build(Fixtures.tetrahedron(), Options.of(Kind.H));
         View view = tree.view();
         tree.close();
-        assertEquals(Kind.WIDE, view.kind());
+        assertEquals(Kind.H, view.kind());
         assertEquals(4, view.triangleCount());
         assertEquals(4, view.prims());
         assertEquals(0, view.objectCount());
@@ -153,6 +154,17 @@ class HTreeTest {
         try (HTree tree = HTree.build(Fixtures.terrain(8), Options.of(Kind.UG))) {
             View view = tree.view();
             assertTrue(view.grid().capacity() > 0 && view.leaves().capacity() > 0);
+        }
+    }
+
+    @Test
+    void wideLeavesHoldTheTriangles() {
+        try (HTree tree = HTree.build(Fixtures.tetrahedron())) {
+            View view = tree.view();
+            assertEquals(Kind.WIDE, view.kind());
+            assertEquals(4, view.triangleCount());
+            assertEquals(0, view.triangles().capacity());
+            assertTrue(view.leaves().capacity() > 0);
         }
     }
 

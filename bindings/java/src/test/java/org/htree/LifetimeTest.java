@@ -64,7 +64,8 @@ class LifetimeTest {
             () -> tree.intersect(ray), () -> tree.intersect(Rays.of(ray)),
             () -> tree.intersect(Rays.of(ray), Hits.allocate(1), Query.DEFAULT),
             () -> tree.occluded(ray), () -> tree.occluded(Rays.of(ray)),
-            tree::bounds, tree::stats, tree::view, tree::check}) {
+            tree::bounds, tree::stats, tree::view, tree::check, tree::complete,
+            () -> tree.update(Fixtures.tetrahedron(), How.REFIT)}) {
             assertThrows(IllegalStateException.class, use::run);
         }
     }

@@ -46,6 +46,10 @@ class MisuseTest {
         CASES.put("query-cancelled", () -> query(tree -> tree.intersect(
                 Rays.allocate(MANY_RAYS), Hits.allocate(MANY_RAYS),
                 Query.DEFAULT.withThreads(1).withProgress(fraction -> true))));
+        CASES.put("view-lazy", () -> HTree.build(Fixtures.terrain(60),
+                Options.builder(Kind.WIDE).lazy(true).build()).view());
+        CASES.put("update-index-out-of-range", () -> query(tree -> tree.update(
+                Mesh.of(Fixtures.TETRAHEDRON, new int[] {0, 1, 4}), How.REBUILD)));
 
         // What the types above make impossible, by the layer below.
         CASES.put("build-kind-unknown", () -> rawBuild(options -> options.kind = 99));
@@ -68,6 +72,11 @@ class MisuseTest {
                 () -> rawQuery(tree -> check(LibHTree.htree_get_stats(tree, new Structs.Stats()))));
         CASES.put("view-size-0",
                 () -> rawQuery(tree -> check(LibHTree.htree_get_view(tree, new Structs.View()))));
+        CASES.put("update-how-3", () -> rawQuery(
+                tree -> check(LibHTree.htree_update(tree, new Structs.Mesh(), 3, null))));
+        CASES.put("update-mesh-null", () -> rawQuery(
+                tree -> check(LibHTree.htree_update(tree, null, How.REFIT.code(), null))));
+        CASES.put("complete-null", () -> check(LibHTree.htree_complete(null)));
         CASES.put("rays-null", () -> rawQuery(
                 tree -> check(LibHTree.htree_intersect(tree, null, 1, new Memory(16), null))));
         CASES.put("hits-null", () -> rawQuery(

@@ -3,6 +3,7 @@ package org.htree.raw;
 
 import com.sun.jna.Native;
 import com.sun.jna.Pointer;
+import com.sun.jna.ptr.DoubleByReference;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 
@@ -97,6 +98,26 @@ public final class LibHTree {
      */
     public static native int htree_build(
             PointerByReference out, Structs.Mesh mesh, Structs.Options options);
+
+    /**
+     * Builds what rays have not reached yet of a lazy tree.
+     *
+     * @param tree to complete
+     * @return a status
+     */
+    public static native int htree_complete(Pointer tree);
+
+    /**
+     * Brings a tree to a mesh.
+     *
+     * @param tree to change
+     * @param mesh as it is now
+     * @param how {@code HTREE_REBUILD}, 1, or {@code HTREE_REFIT}, 2
+     * @param quality gets the cost over that when the tree was built, or null
+     * @return a status
+     */
+    public static native int htree_update(
+            Pointer tree, Structs.Mesh mesh, int how, DoubleByReference quality);
 
     /**
      * Frees a tree.

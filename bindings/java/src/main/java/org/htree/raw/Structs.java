@@ -306,7 +306,8 @@ public final class Structs {
     @FieldOrder({
         "size", "kind", "triangles", "objects", "invalid", "degenerate", "nodes", "leaves",
         "references", "skdNodes", "bv2Nodes", "bv6Nodes", "linkNodes", "bvoNodes", "ternaryNodes",
-        "depth", "stack", "bytes", "peakBytes", "buildSeconds", "sahCost"
+        "depth", "stack", "bytes", "peakBytes", "buildSeconds", "sahCost", "subtrees",
+        "subtreesBuilt"
     })
     public static class Stats extends Structure {
         /** Bytes of the struct. */
@@ -372,6 +373,12 @@ public final class Structs {
         /** Expected cost of a random ray. */
         public double sahCost;
 
+        /** Left to rays. */
+        public long subtrees;
+
+        /** Of these, built by now. */
+        public long subtreesBuilt;
+
         /** A zeroed struct. */
         public Stats() {}
     }
@@ -403,7 +410,7 @@ public final class Structs {
         /** Entries of the traversal stack. */
         public int stack;
 
-        /** Nine floats a triangle. */
+        /** Nine floats a triangle, or null. */
         public Pointer triangles;
 
         /** Nodes, root first. */
