@@ -185,13 +185,14 @@ HTREE_API htree_kind htree_kind_from_name(const char *name);
 /* Flags of htree_options. */
 enum {
     HTREE_STRICT = 1, /* refuse NaN, infinite and oversize coordinates instead of skipping them */
-    HTREE_ANY_PLANES = 2,  /* H, AH: bounding nodes of any of 63 plane sets, not BV2 and BV6 only */
+    HTREE_ANY_PLANES = 2, /* H, AH: bounding nodes of any of 63 plane sets, not BV2 and BV6 only */
     HTREE_LOOSE_PLANES = 4, /* AH: planes as the grid gives them, half a cell wide (section 7.1) */
     HTREE_MORTON = 8, /* WIDE: Morton order below the grid: faster to build, slower to trace */
     HTREE_LAZY = 16,  /* WIDE: only the top is built, the rest by the first ray that gets there; the
                          mesh's arrays must stay as they are until htree_complete or htree_free.
                          A mesh too small for a top is built at once */
-    HTREE_COMPACT = 32, /* WIDE: less than half of the memory, slower to build and to trace; not with
+    HTREE_COMPACT =
+        32, /* WIDE: less than half of the memory, slower to build and to trace; not with
                            HTREE_LAZY */
     HTREE_COLLAPSE = 64 /* BVH, SKD, H, AH: collapses the finished tree into one of kind WIDE */
 };
