@@ -252,6 +252,24 @@ static void sets_of_unknown_planes_are_refused(void **state) {
     patient_end(&p);
 }
 
+static void grids_of_other_cells_are_refused(void **state) {
+    patient p;
+    (void)state;
+    patient_begin(&p, HTREE_UG, SEED_KNOT, 200);
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        const uint64_t at = offsetof(ht_file_header, grid.cells) + axis * sizeof(uint32_t);
+        uint32_t cells;
+        memcpy(&cells, p.whole.bytes + at, sizeof cells);
+        for (int k = 0; k < 4; ++k) {
+            const uint32_t other[] = {0, 1, cells - 1, cells + 1};
+            if (other[k] == cells) continue;
+            set_word(&p, at, other[k]);
+            load_as(&p, HTREE_ERROR_CORRUPT);
+        }
+    }
+    patient_end(&p);
+}
+
 /* A box that is inside out by less than the pad of a ray is met, and then an idle lane is a child. */
 static void idle_lanes_that_rays_could_meet_are_refused(void **state) {
     patient p;
@@ -298,6 +316,7 @@ int main(void) {
         cmocka_unit_test(counts_are_not_believed),
         cmocka_unit_test(other_versions_and_byte_orders_are_told_apart),
         cmocka_unit_test(sets_of_unknown_planes_are_refused),
+        cmocka_unit_test(grids_of_other_cells_are_refused),
         cmocka_unit_test(idle_lanes_that_rays_could_meet_are_refused),
         cmocka_unit_test(stacks_larger_than_those_of_walks_are_refused),
     };

@@ -34,6 +34,8 @@ static void run_ply(const uint8_t *bytes, size_t size) {
 static void seed_ply(fuzz_emit *emit, void *data) {
     static const char ascii[] = "ply\nformat ascii 1.0\ncomment seed\n" PLY_PROPERTIES
                                 "0 0 0\n1 .5 2\n-1e3 1e-40 3\n1 1 1\n3 0 1 2\n4 0 1 2 3\n";
+    static const char beyond[] =
+        "ply\nformat ascii 1.0\n" PLY_PROPERTIES "0 0 0\n1 0 0\n0 1 0\n1 1 1\n3 0 1 2\n3 1 2 4\n";
     static const char little[] = "ply\nformat binary_little_endian 1.0\n" PLY_PROPERTIES;
     static const char big[] = "ply\r\nformat binary_big_endian 1.0\n" PLY_PROPERTIES;
     static const char lists[] =
@@ -45,6 +47,7 @@ static void seed_ply(fuzz_emit *emit, void *data) {
     char binary[512];
     emit(data, ascii, sizeof ascii - 1);
     emit(data, lists, sizeof lists - 1);
+    emit(data, beyond, sizeof beyond - 1);
     for (int i = 0; i < 2; ++i) {
         const char *const head = i ? big : little;
         const size_t length = strlen(head), rows = 4 * 14 + 2 * 13;
