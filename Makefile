@@ -298,7 +298,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile dist
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile dist docs
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
@@ -340,6 +340,9 @@ include bindings/bindings.mk
 # ---- Install --------------------------------------------------------------------------------------
 include packaging/install.mk
 include packaging/dist.mk
+
+# ---- Documentation --------------------------------------------------------------------------------
+include docs/docs.mk
 
 # ---- House ----------------------------------------------------------------------------------------
 FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' '*.hpp' '*.cpp' 2>/dev/null)

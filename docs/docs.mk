@@ -1,0 +1,18 @@
+# docs.mk: drawings and reference of docs/. The Makefile of the root includes it.
+
+DRAWN := ug kd bvh-sah skd h ah wide
+
+$(B)/docs/draw: docs/drawings/draw.c $(STATIC)
+	$(call say,LINK,$@)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(BASE) -Iinclude -Ilib/tree $(CPPFLAGS) $(CFLAGS) $(LINK) -o $@ $^ -lm -lpthread
+
+drawings: $(B)/docs/draw ## draw the trees of docs/structures.md
+	$(Q)for kind in $(DRAWN); do $(B)/docs/draw $$kind >docs/drawings/$$kind.svg || exit 1; done
+
+reference: ## pages of the headers by doxygen: build/reference/html
+	@mkdir -p build/reference
+	$(Q)(cat docs/Doxyfile; echo "PROJECT_NUMBER = $(VERSION)"; echo "OUTPUT_DIRECTORY = build/reference"; \
+	    echo "WARN_AS_ERROR = FAIL_ON_WARNINGS") | doxygen -
+
+.PHONY: drawings reference
