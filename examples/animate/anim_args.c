@@ -17,7 +17,8 @@ static const char help[] =
     "what that cost on average. SCENE is an AFF file (as BART's), or crowd, explode or\n"
     "cloth, with an optional :TRIANGLES.\n"
     "\n"
-    "  --kind KIND        ug kd bvh-median bvh-sah skd h ah [h]\n"
+    "  --kind KIND        ug kd bvh-median bvh-sah skd h ah wide, fast balanced best [h]\n"
+    "  --lazy             wide and the presets: build only what rays reach\n"
     "  --frames N         N frames, evenly spaced in time [as many as the scene says]\n"
     "  --from S, --to S   the range of time in seconds [as the scene says]\n"
     "  --every N          of these frames only every N-th [1]\n"
@@ -41,6 +42,7 @@ static const char help[] =
 
 enum {
     OPTION_KIND = 256,
+    OPTION_LAZY,
     OPTION_FRAMES,
     OPTION_FROM,
     OPTION_TO,
@@ -59,6 +61,7 @@ enum {
 };
 
 static const struct option long_options[] = {{"kind", required_argument, NULL, OPTION_KIND},
+                                             {"lazy", no_argument, NULL, OPTION_LAZY},
                                              {"frames", required_argument, NULL, OPTION_FRAMES},
                                              {"from", required_argument, NULL, OPTION_FROM},
                                              {"to", required_argument, NULL, OPTION_TO},
@@ -131,6 +134,7 @@ static bool take_option(anim_args *out, int option, const char *value) {
     case 'o': return parse_pattern(out, value);
     case 'q': return out->quiet = true;
     case OPTION_KIND: return parse_kind(out, value);
+    case OPTION_LAZY: return out->lazy = true;
     case OPTION_FRAMES: return option_u32(program, "frames", value, 1, 1000000, &out->frames);
     case OPTION_FROM: return parse_time("from", value, &out->has_from, &out->from);
     case OPTION_TO: return parse_time("to", value, &out->has_to, &out->to);

@@ -13,7 +13,7 @@ typedef struct anim_args {
     bool has_from, has_to;
     double from, to;
     const char *output, *webp, *json; /* NULL: none */
-    bool pipeline, check, stats, quiet;
+    bool lazy, pipeline, check, stats, quiet;
 } anim_args;
 
 /* As args_parse. */

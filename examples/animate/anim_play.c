@@ -55,20 +55,26 @@ static void make_rays(anim_slot *slot, const anim_stage *stage) {
                                    (double)(i / width) + 0.5, width, height);
 }
 
-bool anim_build(anim_slot *slot, const anim_stage *stage, uint32_t index) {
+/* From the second frame of a slot on its tree is built in the memory of the one before. */
+static htree_status build(anim_slot *slot, const anim_stage *stage, const htree_mesh *mesh) {
     htree_options options;
+    if (slot->tree) return htree_update(slot->tree, mesh, HTREE_REBUILD, NULL);
+    const htree_status status = htree_options_init(&options, sizeof options, stage->args->kind);
+    if (status != HTREE_OK) return status;
+    options.threads = stage->args->threads;
+    if (stage->args->lazy) options.flags |= HTREE_LAZY;
+    return htree_build(&slot->tree, mesh, &options);
+}
+
+bool anim_build(anim_slot *slot, const anim_stage *stage, uint32_t index) {
     memset(&slot->figures, 0, sizeof slot->figures);
     slot->figures.time = stage->times[index];
-    htree_free(slot->tree);
-    slot->tree = NULL;
     const double start = clock_seconds();
     if (!stage->f->pose(stage->f, slot->figures.time, &slot->frame))
         return fail(slot, HTREE_ERROR_MEMORY);
     slot->figures.pose = clock_seconds() - start;
     const htree_mesh mesh = film_mesh(stage->f, &slot->frame);
-    htree_status status = htree_options_init(&options, sizeof options, stage->args->kind);
-    options.threads = stage->args->threads;
-    if (status == HTREE_OK) status = htree_build(&slot->tree, &mesh, &options);
+    const htree_status status = build(slot, stage, &mesh);
     if (status != HTREE_OK) return fail(slot, status);
     make_rays(slot, stage);
     return true;

@@ -80,16 +80,16 @@ HT_TARGET HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_
         return;
     }
     const __m256i prim = _mm256_loadu_si256((const __m256i *)(const void *)from->prim);
-    const __m256i most = _mm256_set1_epi32((int)tree->triangle_count - 1);
-    const __m256 triangles =
-        _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(prim, most), prim));
+    const __m256i count = _mm256_set1_epi32((int)tree->triangle_count);
+    const __m256 others =
+        _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_max_epu32(prim, count), prim));
     const __m256i first = _mm256_set1_epi32((int)from->first);
     for (uint32_t k = 0; k < 3; ++k) {
         const __m256i vertex = _mm256_add_epi32(first, words_of_bytes(from->corner[k]));
         const __m256i at = _mm256_add_epi32(vertex, _mm256_add_epi32(vertex, vertex));
         for (uint32_t axis = 0; axis < 3; ++axis) {
             const __m256 all = _mm256_i32gather_ps(tree->vertices + axis, at, 4);
-            _mm256_store_ps(leaf->v[k][axis], _mm256_and_ps(all, triangles));
+            _mm256_store_ps(leaf->v[k][axis], _mm256_andnot_ps(others, all));
         }
     }
     _mm256_store_si256((__m256i *)(void *)leaf->prim, prim);
