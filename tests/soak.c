@@ -7,6 +7,7 @@
 #define _DEFAULT_SOURCE
 #include "fuzz.h"
 #include "oracle.h"
+#include "pictures.h"
 #include "rays.h"
 #include "saved.h"
 
@@ -23,7 +24,7 @@ enum { MINUTE = 60, ROUND_LIMIT = 60 };
 typedef struct totals {
     uint64_t round; /* the one that is under way, or next */
     uint64_t seconds;
-    uint64_t oracle_rays, aimed_rays, trees, inputs, same_files;
+    uint64_t oracle_rays, aimed_rays, trees, inputs, same_files, picture_rays;
     uint64_t failures, last_failure;
     uint64_t first_pages, pages; /* resident: of a worker after its first minute, and now */
 } totals;
@@ -127,6 +128,41 @@ static void aim_at_edges(dice *d, uint32_t seed) {
     shape_free(&s);
 }
 
+/* Rays that agree with their neighbours, together and one by one. */
+static void compare_pictures(dice *d, uint32_t seed) {
+    static const char *const names[] = {"knot", "city", "terrain", "soup", "slivers"};
+    shape s = shape_of(names[dice_below(d, COUNT_OF(names))], 1u << dice_below(d, 15), seed);
+    const htree_mesh mesh = mesh_of(&s);
+    const ray_target target = ray_target_of(&mesh);
+    const htree_options options = any_options(d, HTREE_WIDE);
+    htree *const tree = tree_of(&mesh, &options);
+    float eye[3], forward[3];
+    picture_view(&target, d, eye, forward);
+    const uint32_t width = 4 + dice_below(d, 200), height = 1 + dice_below(d, 100);
+    const float step = dice_between(d, 0.1f, 2) / (float)width;
+    picture p = dice_below(d, 3)
+                    ? picture_pinhole(width, height, dice_below(d, width), eye, forward, step)
+                    : picture_parallel(width, height, eye, forward, step);
+    if (dice_below(d, 3) == 0) picture_disturb(&p, d);
+    htree_hit *const hits = (htree_hit *)take(p.count * sizeof *hits);
+    uint8_t *const any = (uint8_t *)take(p.count);
+    assert_int_equal(htree_intersect(tree, p.rays, p.count, hits, NULL), HTREE_OK);
+    assert_int_equal(htree_occluded(tree, p.rays, p.count, any, NULL), HTREE_OK);
+    for (uint64_t i = 0; i < p.count; ++i) {
+        htree_hit alone;
+        assert_int_equal(htree_intersect(tree, &p.rays[i], 1, &alone, NULL), HTREE_OK);
+        assert_memory_equal(&hits[i], &alone, sizeof alone);
+        assert_int_equal(any[i], alone.prim != HTREE_NONE);
+    }
+    all->picture_rays += p.count;
+    ++all->trees;
+    free(hits);
+    free(any);
+    free(p.rays);
+    htree_free(tree);
+    shape_free(&s);
+}
+
 /* Any bits are triangles, and all kinds say the same of them. */
 static void compare_garbage(dice *d, uint32_t seed) {
     enum { MOST = 256 };
@@ -190,7 +226,7 @@ static void fuzz(dice *d) {
 static void do_round(uint64_t number) {
     dice d = {number * UINT64_C(0x9e3779b97f4a7c15)};
     const uint32_t seed = dice_u32(&d);
-    switch (number % 8) {
+    switch (number % 9) {
     case 0:
     case 1:
     case 2: compare_with_oracle(&d, seed); break;
@@ -198,6 +234,7 @@ static void do_round(uint64_t number) {
     case 4: aim_at_edges(&d, seed); break;
     case 5: compare_garbage(&d, seed); break;
     case 6: compare_files(&d, seed); break;
+    case 7: compare_pictures(&d, seed); break;
     default: fuzz(&d); break;
     }
 }
@@ -223,12 +260,13 @@ static void write_line(FILE *log) {
     char line[400];
     snprintf(line, sizeof line,
              "%llu s, round %llu: %llu oracle rays, %llu aimed rays, %llu trees, %llu inputs, "
-             "%llu same files, %.1f MiB (%+.1f), %llu failures\n",
+             "%llu same files, %llu rays of pictures, %.1f MiB (%+.1f), %llu failures\n",
              (unsigned long long)all->seconds, (unsigned long long)all->round,
              (unsigned long long)all->oracle_rays, (unsigned long long)all->aimed_rays,
              (unsigned long long)all->trees, (unsigned long long)all->inputs,
-             (unsigned long long)all->same_files, mib * (double)all->pages,
-             mib * ((double)all->pages - (double)first), (unsigned long long)all->failures);
+             (unsigned long long)all->same_files, (unsigned long long)all->picture_rays,
+             mib * (double)all->pages, mib * ((double)all->pages - (double)first),
+             (unsigned long long)all->failures);
     fputs(line, log);
     fflush(log);
     fputs(line, stdout);
