@@ -68,16 +68,6 @@ bool ht_corners_are_degenerate(const ht_corners *corners) {
     return ht_triangle_is_degenerate(v[0], v[1], v[2]);
 }
 
-static bool is_in_range(const float *p) {
-    return ht_magnitude(p[0]) <= HTREE_COORDINATE_MAX &&
-           ht_magnitude(p[1]) <= HTREE_COORDINATE_MAX && ht_magnitude(p[2]) <= HTREE_COORDINATE_MAX;
-}
-
-bool ht_is_box_in_range(const htree_box *box) {
-    return is_in_range(box->lo) && is_in_range(box->hi) && box->lo[0] <= box->hi[0] &&
-           box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2];
-}
-
 htree_status ht_refuse_prim(const ht_source *source, uint32_t prim, bool no_vertex) {
     if (!no_vertex) {
         const bool triangle = prim < source->triangle_count;
@@ -201,7 +191,7 @@ static htree_status load_objects(ht_builder *builder) {
     const ht_source source = ht_source_of(builder->mesh);
     for (uint32_t i = 0; i < tree->object_count; ++i) {
         const uint32_t id = tree->triangle_count + i;
-        if (ht_is_box_in_range(&tree->object_boxes[i])) {
+        if (ht_box_is_valid(&tree->object_boxes[i])) {
             ht_source_prim(&source, id, &builder->prims[tree->prim_count++]);
             ht_box_add(&tree->bounds, &tree->object_boxes[i]);
         } else if (builder->options->flags & HTREE_STRICT) {
@@ -220,7 +210,7 @@ htree_status ht_copy_objects(ht_builder *builder) {
         (htree_box *)ht_allocate(&tree->memory, tree->object_count * sizeof(htree_box));
     if (!tree->object_boxes) return HTREE_ERROR_MEMORY;
     for (uint32_t i = 0; i < tree->object_count; ++i) {
-        const bool fine = ht_is_box_in_range(&objects->boxes[i]);
+        const bool fine = ht_box_is_valid(&objects->boxes[i]);
         tree->object_boxes[i] = fine ? objects->boxes[i] : ht_box_empty();
     }
     return HTREE_OK;

@@ -43,14 +43,13 @@ static void survey_arrays(void *data, uint32_t index) {
         const uint32_t in = ht_f4_above(ht_f4_all(2 * HTREE_COORDINATE_MAX), ht_f4_magnitude(p));
         plain &= (~in & HT_XYZ) == 0;
     }
-    for (uint64_t i = boxes.first; i < boxes.end; ++i)
-        plain &= ht_is_box_in_range(&source.boxes[i]);
+    for (uint64_t i = boxes.first; i < boxes.end; ++i) plain &= ht_box_is_valid(&source.boxes[i]);
     s->plain[index] = plain && (indices.first == indices.end || largest < source.vertex_count);
 }
 
 static bool is_skipped(const ht_source *source, uint32_t i) {
     if (i >= source->triangle_count)
-        return !ht_is_box_in_range(&source->boxes[i - source->triangle_count]);
+        return !ht_box_is_valid(&source->boxes[i - source->triangle_count]);
     const ht_corners corners = ht_source_corners(source, i);
     return ht_corners_judge(&corners) != HT_HITTABLE;
 }
@@ -316,7 +315,7 @@ double ht_refit(htree *tree, const htree_mesh *mesh) {
     if (tree->area == 0) tree->area = run(&r, true);
     for (uint32_t i = 0; i < tree->object_count; ++i) {
         const htree_box *box = &r.source.boxes[i];
-        tree->object_boxes[i] = ht_is_box_in_range(box) ? *box : ht_box_empty();
+        tree->object_boxes[i] = ht_box_is_valid(box) ? *box : ht_box_empty();
     }
     return run(&r, false) / tree->area;
 }

@@ -15,9 +15,6 @@ typedef struct ht_source {
 
 ht_source ht_source_of(const htree_mesh *mesh);
 
-/* False for a box that is skipped: out of range, or without an order of its planes. */
-bool ht_is_box_in_range(const htree_box *box);
-
 /* GEOMETRY, and in words why the mesh is refused for a prim. */
 htree_status ht_refuse_prim(const ht_source *source, uint32_t prim, bool no_vertex);
 

@@ -105,7 +105,7 @@ HT_INLINE ht_verdict scan_triangle(scanner *s, uint32_t i) {
 
 static ht_verdict scan_object(scanner *s, uint32_t i) {
     ht_prim prim;
-    if (!ht_is_box_in_range(&s->source.boxes[i - s->source.triangle_count])) return HT_INVALID;
+    if (!ht_box_is_valid(&s->source.boxes[i - s->source.triangle_count])) return HT_INVALID;
     ht_source_prim(&s->source, i, &prim);
     const ht_box4 box = ht_prim_box4(&prim);
     add_prim(s, i, &box);
