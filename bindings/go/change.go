@@ -43,8 +43,8 @@ func (t *Tree) Complete() error {
 // built with. After an error the tree is as it was.
 //
 // Refit is for a mesh of as many triangles and objects. The tree is rebuilt where refitting cannot do: other
-// kinds, a lazy tree, or other triangles than before that can be hit. The quality is the expected cost of a
-// ray over that when the tree was built: 1 after a rebuild; from about 1.5 on rebuilding pays.
+// kinds, a lazy or a compact tree, or other triangles than before that can be hit. The quality is the expected
+// cost of a ray over that when the tree was built: 1 after a rebuild; from about 1.5 on rebuilding pays.
 //
 // It waits for the queries that run on the tree, and queries wait for it, so it must not be called in a
 // function that a query calls, nor in View.

@@ -84,6 +84,47 @@ func TestRaysBuildALazyTreeAndCompleteBuildsTheRest(t *testing.T) {
 	answersAs(t, lazy, mesh)
 }
 
+func TestCompactTreesAnswerAlikeInLessThanHalfOfTheMemory(t *testing.T) {
+	mesh := terrain(side)
+	compact, whole := build(t, mesh, WithKind(Wide), WithCompact()), build(t, mesh, WithKind(Wide))
+	less, all := must[Stats](t)(compact.Stats()).Bytes, must[Stats](t)(whole.Stats()).Bytes
+	if 2*less >= all {
+		t.Errorf("%d bytes, and %d as ever", less, all)
+	}
+	if err := compact.View(func(View) error { return nil }); !errors.Is(err, ErrUnsupported) {
+		t.Error(err)
+	}
+	answersAs(t, compact, mesh)
+	back := must[*Tree](t)(Load(must[[]byte](t)(compact.Save())))
+	t.Cleanup(func() { back.Close() })
+	answersAs(t, back, mesh)
+	next := lifted(mesh)
+	if quality := must[float64](t)(compact.Update(next, Refit)); quality != 1 {
+		t.Error(quality, "of a tree that was rebuilt")
+	}
+	answersAs(t, compact, next)
+	if _, err := Build(mesh, WithCompact(), WithLazy()); !errors.Is(err, ErrArgument) {
+		t.Error(err)
+	}
+}
+
+func TestCollapsedTreesAreWide(t *testing.T) {
+	mesh := terrain(side)
+	for _, kind := range []Kind{BVHMedian, AH} {
+		plain, collapsed := build(t, mesh, WithKind(kind)), build(t, mesh, WithKind(kind), WithCollapse())
+		if got := must[Stats](t)(plain.Stats()).Kind; got != kind {
+			t.Error(got, "is not", kind)
+		}
+		if got := must[Stats](t)(collapsed.Stats()).Kind; got != Wide {
+			t.Error(kind, "was collapsed to", got)
+		}
+		answersAs(t, collapsed, mesh)
+	}
+	if got := must[Stats](t)(build(t, mesh, WithKind(Best)).Stats()).Kind; got != Wide {
+		t.Error("the preset built", got)
+	}
+}
+
 func TestALazyTreeReadsNothingOfGosAfterBuild(t *testing.T) {
 	mesh := terrain(side)
 	want := terrain(side)

@@ -130,6 +130,12 @@ func WithMorton() BuildOption { return setFlag(C.HTREE_MORTON) }
 // mesh that the tree holds until it is complete; see [Tree.Complete].
 func WithLazy() BuildOption { return setFlag(C.HTREE_LAZY) }
 
+// WithCompact lets Wide take less than half of the memory: slower to build and to trace, and not WithLazy.
+func WithCompact() BuildOption { return setFlag(C.HTREE_COMPACT) }
+
+// WithCollapse collapses the finished tree of a BVH, SKD, H or AH into one of kind Wide; Best does so.
+func WithCollapse() BuildOption { return setFlag(C.HTREE_COLLAPSE) }
+
 // WithBuckets evaluates cost at n - 1 planes along an axis, 2 to 64.
 func WithBuckets(n uint32) BuildOption {
 	return set(func(o *cOptions) { o.buckets = C.uint32_t(n) })

@@ -111,8 +111,8 @@ type View struct {
 }
 
 // View calls look with the tree's arrays, which must not be used after look has returned: the tree is kept
-// alive until then, even if it is closed meanwhile. A lazy tree that is not complete has none to show, and
-// gets ErrUnsupported.
+// alive until then, even if it is closed meanwhile. A compact tree, and a lazy one that is not complete,
+// has none to show, and gets ErrUnsupported.
 func (t *Tree) View(look func(View) error) error {
 	if err := t.acquire(); err != nil {
 		return err

@@ -77,6 +77,10 @@ export interface Options {
     /** wide: only the top is built, the rest by the first ray that gets there. The tree reads a
      * copy of the mesh, or its shared arrays, which must not change until complete or close. */
     lazy?: boolean;
+    /** wide: less than half of the memory, slower to build and to trace; not with lazy. */
+    compact?: boolean;
+    /** bvh-median, bvh-sah, skd, h, ah: collapses the finished tree into one of kind wide. */
+    collapse?: boolean;
     /** Of queries: 0 all cores, 1 the caller's, n at most n. */
     threads?: number;
     /** 2 to 64: cost is evaluated at one plane fewer. */
@@ -285,7 +289,8 @@ export class HTree {
     /** Walks the tree and counts what it is made of. */
     stats(): Stats;
 
-    /** Copies the tree's arrays. Throws UNSUPPORTED for a lazy tree that is not complete. */
+    /** Copies the tree's arrays. Throws UNSUPPORTED for a compact tree, and for a lazy one
+     * that is not complete. */
     view(): View;
 
     /** Proves the structure. Throws HTreeError: CORRUPT, MEMORY. */

@@ -219,7 +219,7 @@ class tree {
     }
 
     /* The tree's own arrays, which end with it or its update: a tree that is about to die has no
-     * view, and a lazy one only once it is complete. */
+     * view, nor has a compact one, and a lazy one only once it is complete. */
     outcome<ht::view> view() const &HTREE_HPP_NOEXCEPT {
         ht::view all = ht::view();
         all.size = sizeof all;

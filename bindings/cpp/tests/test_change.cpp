@@ -1,4 +1,5 @@
-/* test_change.cpp: trees that rays build, and trees that are brought to another mesh. */
+/* test_change.cpp: trees that rays build, compact and collapsed ones, and trees that are brought to
+ * another mesh. */
 #include "common.hpp"
 
 #include <atomic>
@@ -97,6 +98,34 @@ TEST_CASE("threads meet in a lazy tree") {
             threads.emplace_back([&] { wrong += same_bits(hits_of(tree), expected) ? 0 : 1; });
         for (std::thread &t : threads) t.join();
         CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("compact trees answer alike in less than half of the memory") {
+    terrain ground(60);
+    ht::options how(ht::kind::wide);
+    const ht::tree whole = MUST(ht::tree::build(ground.mesh(), how));
+    ht::tree tree = MUST(ht::tree::build(ground.mesh(), how.compact()));
+    CHECK(2 * MUST(tree.stats()).bytes < MUST(whole.stats()).bytes);
+    CHECK_REFUSED(tree.view(), ht::status::unsupported);
+    check_answers_as(tree, ground.mesh());
+    check_answers_as(MUST(ht::tree::load(MUST(tree.save()))), ground.mesh());
+    ground.lift(0.5f);
+    CHECK(MUST(tree.update(ground.mesh(), ht::how::refit)) == 1);
+    check_answers_as(tree, ground.mesh());
+    CHECK_REFUSED(ht::tree::build(ground.mesh(), how.lazy()), ht::status::argument);
+}
+
+TEST_CASE("collapsed trees are wide, those of the preset best too") {
+    const terrain ground(60);
+    CHECK(ht::options(ht::kind::best).raw().flags == HTREE_COLLAPSE);
+    for (const ht::kind kind : {ht::kind::bvh_median, ht::kind::ah, ht::kind::best}) {
+        ht::options how(kind);
+        const ht::tree tree = MUST(ht::tree::build(ground.mesh(), how.collapse()));
+        CHECK(MUST(tree.stats()).kind == HTREE_WIDE);
+        check_answers_as(tree, ground.mesh());
+        const ht::tree plain = MUST(ht::tree::build(ground.mesh(), how.collapse(false)));
+        CHECK(MUST(plain.stats()).kind == static_cast<htree_kind>(how.kind()));
     }
 }
 

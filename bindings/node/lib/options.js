@@ -12,7 +12,9 @@ const KINDS = Object.freeze(Object.fromEntries(
     ['ug', 'kd', 'bvh-median', 'bvh-sah', 'skd', 'h', 'ah', 'wide', 'fast', 'balanced', 'best']
         .map((name) => [name, raw.htree_kind_from_name(name)])));
 
-const FLAGS = { strict: 1, anyPlanes: 2, loosePlanes: 4, morton: 8, lazy: 16 };
+const FLAGS = {
+    strict: 1, anyPlanes: 2, loosePlanes: 4, morton: 8, lazy: 16, compact: 32, collapse: 64,
+};
 const INTEGERS = { threads: 'threads', buckets: 'buckets', axes: 'axes', fewPrims: 'few_prims' };
 const FLOATS = {
     costSkd: 'cost_skd',

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 'use strict';
 
-/* Trees that rays build, and trees that are brought to another mesh. */
+/* Trees that rays build, compact and collapsed ones, and trees that are brought to another mesh. */
 
 const test = require('node:test');
 const assert = require('node:assert/strict');
@@ -34,6 +34,36 @@ function assertAnswersAs(tree, mesh) {
     tree.check();
     assert.deepEqual(tree.intersect(RAYS).words, hitsOf(mesh));
 }
+
+// ---- Compact, collapsed ------------------------------------------------------------------------
+
+test('compact trees answer alike in less than half of the memory', () => {
+    const mesh = terrain(CELLS);
+    const whole = HTree.build(mesh, { kind: 'wide' });
+    const tree = HTree.build(mesh, { kind: 'wide', compact: true });
+    assert.ok(2 * tree.stats().bytes < whole.stats().bytes);
+    assert.throws(() => tree.view(), { code: 'UNSUPPORTED' });
+    assertAnswersAs(tree, mesh);
+    const back = HTree.load(tree.save());
+    assertAnswersAs(back, mesh);
+    assert.equal(tree.update(lifted(mesh), 'refit'), 1);
+    assertAnswersAs(tree, lifted(mesh));
+    assert.throws(() => HTree.build(mesh, { ...LAZY, compact: true }), { code: 'ARGUMENT' });
+    for (const each of [whole, tree, back]) each.close();
+});
+
+test('collapsed trees are wide', () => {
+    const mesh = terrain(CELLS);
+    for (const kind of ['bvh-median', 'ah', 'best']) {
+        const tree = HTree.build(mesh, { kind, collapse: true });
+        assert.equal(tree.stats().kind, 'wide');
+        assertAnswersAs(tree, mesh);
+        const plain = HTree.build(mesh, { kind, collapse: false });
+        assert.equal(plain.stats().kind, HTree.defaults({ kind }).kind);
+        tree.close();
+        plain.close();
+    }
+});
 
 // ---- Lazy --------------------------------------------------------------------------------------
 
@@ -112,6 +142,7 @@ test('workers meet in a lazy tree', async () => {
 test('presets keep their flags, and flags can be taken back', () => {
     assert.equal(HTree.defaults({ kind: 'fast' }).morton, true);
     assert.equal(HTree.defaults({ kind: 'fast', morton: false }).morton, false);
+    assert.equal(HTree.defaults({ kind: 'best' }).collapse, true);
     assert.equal(HTree.defaults(LAZY).lazy, true);
 });
 

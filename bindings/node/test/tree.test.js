@@ -116,14 +116,16 @@ test('every kind has its name and number', () => {
 
 test('defaults are the library\'s', () => {
     const best = HTree.defaults({ kind: 'best' });
-    assert.equal(best.kind, 'wide');
-    assert.equal(best.buckets, 64);
+    assert.equal(best.kind, 'bvh-sah');
+    assert.equal(best.collapse, true);
+    assert.equal(best.buckets, 32);
     assert.deepEqual(HTree.defaults(), HTree.defaults({ kind: 'balanced' }));
 });
 
 test('every option reaches the library', () => {
     const odd = {
         kind: 'ah', strict: true, anyPlanes: true, loosePlanes: true, morton: true, lazy: true,
+        compact: false, collapse: true,
         threads: 1, buckets: 5, axes: 3, fewPrims: 1, costSkd: 1, costBv2: 2, costBv6: 3,
         costIntersect: 4, cellsPerPrim: 2,
     };
@@ -132,7 +134,7 @@ test('every option reaches the library', () => {
     const tree = HTree.build(mesh, odd);
     const plain = HTree.build(mesh);
     tree.check();
-    assert.equal(tree.stats().kind, 'ah');
+    assert.equal(tree.stats().kind, 'wide');
     assert.notEqual(tree.stats().sahCost, plain.stats().sahCost);
     assert.deepEqual(tree.intersect(above(20)).words, plain.intersect(above(20)).words);
     tree.close();

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Trees that are built by the rays that come, and trees that are brought to another mesh."""
+"""Trees that are built by the rays that come, compact and collapsed ones, and trees that are brought
+to another mesh."""
 
 from __future__ import annotations
 
@@ -39,6 +40,40 @@ def assert_answers_as(tree: htree.Tree, positions: Any, indices: Any) -> None:
     with htree.build(positions, indices, "bvh-sah") as other:
         np.testing.assert_array_equal(answers(tree), answers(other))
         np.testing.assert_array_equal(tree.bounds, other.bounds)
+
+
+# ---- Compact, collapsed -------------------------------------------------------------------------
+
+
+def test_compact_trees_answer_alike_in_less_than_half_of_the_memory() -> None:
+    vertices, faces = sphere(60)
+    options = htree.Options("wide", flags=htree.Flag.COMPACT)
+    with htree.build(vertices, faces, "wide") as whole:
+        tree = htree.build(vertices, faces, options)
+        assert 2 * tree.stats.bytes < whole.stats.bytes
+    with pytest.raises(htree.Unsupported, match="compact"):
+        tree.view()
+    assert_answers_as(tree, vertices, faces)
+    with htree.load(tree.save()) as back:
+        assert_answers_as(back, vertices, faces)
+    assert tree.update(bent(vertices), faces, "refit") == 1
+    assert_answers_as(tree, bent(vertices), faces)
+    lazily = htree.Options("wide", flags=htree.Flag.COMPACT | htree.Flag.LAZY)
+    with pytest.raises(htree.ArgumentError, match="not both"):
+        htree.build(vertices, faces, lazily)
+
+
+def test_collapsed_trees_are_wide() -> None:
+    vertices, faces = sphere(60)
+    assert htree.Options("best").flags == htree.Flag.COLLAPSE
+    for kind in ("bvh-median", "ah", "best"):
+        collapsing = htree.Options(kind, flags=htree.Flag.COLLAPSE)
+        with htree.build(vertices, faces, collapsing) as tree:
+            assert tree.stats.kind == tree.kind == "wide"
+            assert_answers_as(tree, vertices, faces)
+        plain = htree.Options(kind, flags=0)
+        with htree.build(vertices, faces, plain) as tree:
+            assert tree.stats.kind == tree.kind == plain.kind
 
 
 # ---- Lazy ---------------------------------------------------------------------------------------

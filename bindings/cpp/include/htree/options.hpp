@@ -137,6 +137,12 @@ class options {
     options &lazy(bool on = true) noexcept {
         return flag(HTREE_LAZY, on);
     }
+    options &compact(bool on = true) noexcept {
+        return flag(HTREE_COMPACT, on);
+    }
+    options &collapse(bool on = true) noexcept {
+        return flag(HTREE_COLLAPSE, on);
+    }
     options &buckets(std::uint32_t n) noexcept {
         raw_.buckets = n;
         return *this;

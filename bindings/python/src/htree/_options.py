@@ -44,13 +44,16 @@ class Kind(str, Enum):
 
 
 class Flag(IntFlag):
-    """Flags of Options."""
+    """Flags of Options. Those that are given take the place of a preset's own:
+    `Options("best").flags | Flag.STRICT` adds one."""
 
     STRICT = lib.HTREE_STRICT
     ANY_PLANES = lib.HTREE_ANY_PLANES
     LOOSE_PLANES = lib.HTREE_LOOSE_PLANES
     MORTON = lib.HTREE_MORTON
     LAZY = lib.HTREE_LAZY
+    COMPACT = lib.HTREE_COMPACT
+    COLLAPSE = lib.HTREE_COLLAPSE
 
 
 _DEFAULT: Any = None  # as htree_options_init has it

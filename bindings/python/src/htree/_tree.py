@@ -313,8 +313,8 @@ class Tree:
 
     @property
     def kind(self) -> str:
-        """The structure that the tree is."""
-        return self.options.kind
+        """The structure that the tree is: "wide" for a collapsed one."""
+        return self.stats.kind
 
     @property
     def stats(self) -> Stats:
@@ -341,8 +341,8 @@ class Tree:
         return _box(box)
 
     def view(self) -> View:
-        """The arrays of the tree itself, without a copy. A lazy tree has some once it is complete;
-        before, it is htree.Unsupported."""
+        """The arrays of the tree itself, without a copy. A lazy tree has some once it is complete,
+        a compact one never: that is htree.Unsupported."""
         owner = self._open()
         with owner.shared():
             return _view(owner)

@@ -164,6 +164,8 @@ pub const HTREE_ANY_PLANES: u32 = 2;
 pub const HTREE_LOOSE_PLANES: u32 = 4;
 pub const HTREE_MORTON: u32 = 8;
 pub const HTREE_LAZY: u32 = 16;
+pub const HTREE_COMPACT: u32 = 32;
+pub const HTREE_COLLAPSE: u32 = 64;
 
 /// How to build; `htree_options_init` writes every default.
 #[repr(C)]

@@ -35,9 +35,9 @@ impl Tree {
     /// options that it was built with. An error leaves it as it was.
     ///
     /// Refitting is for a mesh of as many triangles and objects; the tree is rebuilt where it
-    /// cannot do: other kinds, or other triangles than before that can be hit. The number is the
-    /// expected cost of a ray over that when the tree was built: 1 after a rebuild; from about 1.5
-    /// on rebuilding pays.
+    /// cannot do: other kinds, a compact tree, or other triangles than before that can be hit. The
+    /// number is the expected cost of a ray over that when the tree was built: 1 after a rebuild;
+    /// from about 1.5 on rebuilding pays.
     ///
     /// ```
     /// use htree::{How, Mesh, Ray, Tree};

@@ -262,6 +262,23 @@ impl Options {
         /// let options = htree::Options::new(htree::Kind::WIDE).morton(true);
         /// ```
         morton: sys::HTREE_MORTON,
+        /// WIDE: less than half of the memory, slower to build and to trace. Such a tree has no view,
+        /// and no [`LazyTree`](crate::LazyTree) is built with this.
+        ///
+        /// ```
+        /// let options = htree::Options::new(htree::Kind::WIDE).compact(true);
+        /// ```
+        compact: sys::HTREE_COMPACT,
+        /// BVH, SKD, H, AH: collapses the finished tree into one of kind WIDE.
+        ///
+        /// ```
+        /// use htree::{Kind, Mesh, Options, Tree};
+        /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        /// let tree = Tree::build(&Mesh::new(&corners), &Options::new(Kind::AH).collapse(true))?;
+        /// assert_eq!(tree.stats()?.kind, Kind::WIDE);
+        /// # Ok::<(), htree::Error>(())
+        /// ```
+        collapse: sys::HTREE_COLLAPSE,
     }
 
     /// A parallel loop for the build and the queries of its tree, in place of the library's threads.

@@ -271,7 +271,8 @@ impl Tree {
     }
 
     /// The arrays of the tree, for devices, viewers and files; they borrow it. Fails with
-    /// [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported) for a [`LazyTree`](crate::LazyTree).
+    /// [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported) for a [`LazyTree`](crate::LazyTree),
+    /// and for a tree that is [`compact`](crate::Options::compact).
     ///
     /// ```
     /// use htree::{Kind, Mesh, Options, Tree};

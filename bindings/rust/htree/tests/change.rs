@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! Trees that rays build, and trees that are brought to another mesh.
+//! Trees that rays build, compact and collapsed ones, and trees that are brought to another mesh.
 
 mod common;
 
@@ -53,6 +53,41 @@ fn rays_build_a_lazy_tree_and_complete_builds_the_rest() {
     assert_eq!(tree.stats().unwrap().subtrees, 0);
     assert_eq!(tree.view().unwrap(), eager.view().unwrap());
     assert_answers_as(&tree, &mesh);
+}
+
+#[test]
+fn compact_trees_answer_alike_in_less_than_half_of_the_memory() {
+    let (mut positions, triangles) = terrain(SIDE);
+    let options = Options::new(Kind::WIDE);
+    let mesh = Mesh::new(&positions).indices(&triangles);
+    let whole = Tree::build(&mesh, &options).unwrap();
+    let options = options.compact(true);
+    let mut tree = Tree::build(&mesh, &options).unwrap();
+    assert!(2 * tree.stats().unwrap().bytes < whole.stats().unwrap().bytes);
+    assert_eq!(tree.view().unwrap_err().kind(), ErrorKind::Unsupported);
+    assert_answers_as(&tree, &mesh);
+    assert_answers_as(&Tree::load(&tree.save().unwrap()).unwrap(), &mesh);
+    assert_eq!(LazyTree::build(&mesh, &options).unwrap_err().kind(), ErrorKind::Argument);
+    lift(&mut positions);
+    let mesh = Mesh::new(&positions).indices(&triangles);
+    assert_eq!(tree.update(&mesh, How::Refit).unwrap(), 1.0);
+    assert_answers_as(&tree, &mesh);
+}
+
+#[test]
+fn collapsed_trees_are_wide() {
+    let (positions, triangles) = terrain(SIDE);
+    let mesh = Mesh::new(&positions).indices(&triangles);
+    for kind in [Kind::BVH_MEDIAN, Kind::AH, Kind::BEST] {
+        let options = Options::new(kind);
+        let tree = Tree::build(&mesh, &options.clone().collapse(true)).unwrap();
+        assert_eq!(tree.stats().unwrap().kind, Kind::WIDE);
+        assert_answers_as(&tree, &mesh);
+        let plain = Tree::build(&mesh, &options.clone().collapse(false)).unwrap();
+        assert_eq!(plain.stats().unwrap().kind, options.kind());
+    }
+    let best = Tree::build(&mesh, &Options::new(Kind::BEST)).unwrap();
+    assert_eq!(best.stats().unwrap().kind, Kind::WIDE);
 }
 
 #[test]

@@ -97,7 +97,8 @@ public final class HTree implements AutoCloseable {
      * options that it was built with. What throws leaves the tree as it was.
      *
      * <p>Refitting is for a mesh of as many triangles and objects. The tree is rebuilt where it
-     * cannot do: other kinds, a lazy tree, or other triangles than before that can be hit.
+     * cannot do: other kinds, a lazy or a compact tree, or other triangles than before that can be
+     * hit.
      *
      * @param mesh as it is now
      * @param how to bring the tree there
@@ -280,7 +281,7 @@ public final class HTree implements AutoCloseable {
      * Copies the arrays of the tree.
      *
      * @return the copies
-     * @throws HTreeException UNSUPPORTED for a lazy tree that is not complete
+     * @throws HTreeException UNSUPPORTED for a lazy tree that is not complete, and for a compact one
      * @throws IllegalArgumentException if an array exceeds the 2 GiB of a Java buffer
      */
     public View view() {

@@ -14,6 +14,8 @@ import org.htree.raw.Structs;
  * @param morton WIDE: Morton order below the grid: faster to build, slower to trace
  * @param lazy WIDE: only the top is built, the rest by the first ray that gets there; see
  *     {@link HTree#complete}
+ * @param compact WIDE: less than half of the memory, slower to build and to trace; not with lazy
+ * @param collapse BVH, SKD, H, AH: collapses the finished tree into one of kind WIDE
  * @param threads of queries: 0 all cores, 1 the caller's, n at most n
  * @param buckets M of the paper's section 5, 2 to 64
  * @param axes 1: split along the widest extent only; 3: try all axes
@@ -27,7 +29,8 @@ import org.htree.raw.Structs;
  */
 public record Options(
         Kind kind, boolean strict, boolean anyPlanes, boolean loosePlanes,
-        boolean morton, boolean lazy, int threads, int buckets, int axes,
+        boolean morton, boolean lazy, boolean compact, boolean collapse,
+        int threads, int buckets, int axes,
         float costSkd, float costBv2, float costBv6, float costIntersect,
         float cellsPerPrim, int fewPrims, Progress progress) {
 
@@ -36,6 +39,8 @@ public record Options(
     private static final int LOOSE_PLANES = 4;
     private static final int MORTON = 8;
     private static final int LAZY = 16;
+    private static final int COMPACT = 32;
+    private static final int COLLAPSE = 64;
 
     /**
      * The defaults of a kind.
@@ -84,6 +89,7 @@ public record Options(
         return new Options(Kind.of(s.kind), (s.flags & STRICT) != 0,
                 (s.flags & ANY_PLANES) != 0, (s.flags & LOOSE_PLANES) != 0,
                 (s.flags & MORTON) != 0, (s.flags & LAZY) != 0,
+                (s.flags & COMPACT) != 0, (s.flags & COLLAPSE) != 0,
                 s.threads, s.buckets, s.axes, s.costSkd, s.costBv2, s.costBv6, s.costIntersect,
                 s.cellsPerPrim, s.fewPrims, progress);
     }
@@ -92,7 +98,8 @@ public record Options(
         Structs.Options s = new Structs.Options();
         HTreeException.check(LibHTree.htree_options_init(s, s.size(), kind.code()));
         s.flags = (strict ? STRICT : 0) | (anyPlanes ? ANY_PLANES : 0)
-                | (loosePlanes ? LOOSE_PLANES : 0) | (morton ? MORTON : 0) | (lazy ? LAZY : 0);
+                | (loosePlanes ? LOOSE_PLANES : 0) | (morton ? MORTON : 0) | (lazy ? LAZY : 0)
+                | (compact ? COMPACT : 0) | (collapse ? COLLAPSE : 0);
         s.threads = Query.requireThreads(threads);
         s.buckets = buckets;
         s.axes = axes;
@@ -114,6 +121,8 @@ public record Options(
         private boolean loosePlanes;
         private boolean morton;
         private boolean lazy;
+        private boolean compact;
+        private boolean collapse;
         private int threads;
         private int buckets;
         private int axes;
@@ -132,6 +141,8 @@ public record Options(
             loosePlanes = from.loosePlanes;
             morton = from.morton;
             lazy = from.lazy;
+            compact = from.compact;
+            collapse = from.collapse;
             threads = from.threads;
             buckets = from.buckets;
             axes = from.axes;
@@ -199,6 +210,29 @@ public record Options(
          */
         public Builder lazy(boolean value) {
             lazy = value;
+            return this;
+        }
+
+        /**
+         * Lets WIDE take less than half of the memory. Such a tree is slower to build and to trace,
+         * has no {@link HTree#view}, and cannot be lazy.
+         *
+         * @param value true for a compact tree
+         * @return this
+         */
+        public Builder compact(boolean value) {
+            compact = value;
+            return this;
+        }
+
+        /**
+         * Collapses the finished tree of a BVH, SKD, H or AH into one of kind WIDE, as BEST does.
+         *
+         * @param value true for a wide tree
+         * @return this
+         */
+        public Builder collapse(boolean value) {
+            collapse = value;
             return this;
         }
 
@@ -291,9 +325,9 @@ public record Options(
          * @return the options
          */
         public Options build() {
-            return new Options(kind, strict, anyPlanes, loosePlanes, morton, lazy, threads, buckets,
-                    axes, costSkd, costBv2, costBv6, costIntersect, cellsPerPrim, fewPrims,
-                    progress);
+            return new Options(kind, strict, anyPlanes, loosePlanes, morton, lazy, compact,
+                    collapse, threads, buckets, axes, costSkd, costBv2, costBv6, costIntersect,
+                    cellsPerPrim, fewPrims, progress);
         }
     }
 }

@@ -22,7 +22,7 @@ import java.util.concurrent.atomic.AtomicReference;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
 
-/** Trees that rays build, and trees that are brought to another mesh. */
+/** Trees that rays build, compact and collapsed ones, and trees brought to another mesh. */
 @Timeout(300)
 class ChangeTest {
     private static final int CELLS = 60;
@@ -72,6 +72,45 @@ class ChangeTest {
             Thread.sleep(2);
         }
         return reference.get() == null;
+    }
+
+    // ---- Compact, collapsed ---------------------------------------------------------------------
+
+    @Test
+    void compactTreesAnswerAlikeInLessThanHalfOfTheMemory() {
+        Options.Builder how = Options.builder(Kind.WIDE);
+        Mesh mesh = terrain(0);
+        try (HTree whole = HTree.build(mesh, how.build());
+                HTree tree = HTree.build(mesh, how.compact(true).build());
+                HTree back = HTree.load(tree.save())) {
+            assertTrue(2 * tree.stats().bytes() < whole.stats().bytes());
+            HTreeException thrown = assertThrows(HTreeException.class, tree::view);
+            assertEquals(Status.UNSUPPORTED, thrown.status());
+            assertAnswersAs(tree, mesh);
+            assertAnswersAs(back, mesh);
+            assertEquals(1, tree.update(terrain(1), How.REFIT));
+            assertAnswersAs(tree, terrain(1));
+        }
+        HTreeException thrown = assertThrows(
+                HTreeException.class, () -> HTree.build(mesh, how.lazy(true).build()));
+        assertEquals(Status.ARGUMENT, thrown.status());
+    }
+
+    @Test
+    void collapsedTreesAreWide() {
+        Mesh mesh = terrain(0);
+        for (Kind kind : new Kind[] {Kind.BVH_MEDIAN, Kind.AH}) {
+            Options.Builder how = Options.builder(kind);
+            try (HTree plain = HTree.build(mesh, how.build());
+                    HTree tree = HTree.build(mesh, how.collapse(true).build())) {
+                assertEquals(kind, plain.stats().kind());
+                assertEquals(Kind.WIDE, tree.stats().kind());
+                assertAnswersAs(tree, mesh);
+            }
+        }
+        try (HTree tree = HTree.build(mesh, Options.of(Kind.BEST))) {
+            assertEquals(Kind.WIDE, tree.stats().kind());
+        }
     }
 
     // ---- Lazy ----------------------------------------------------------------------------------

@@ -76,8 +76,9 @@ class HTreeTest {
     @Test
     void defaultsAreTheLibrarys() {
         Options options = Options.of(Kind.BEST);
-        assertEquals(Kind.WIDE, options.kind());
-        assertEquals(64, options.buckets());
+        assertEquals(Kind.BVH_SAH, options.kind());
+        assertTrue(options.collapse());
+        assertEquals(32, options.buckets());
         assertEquals(1.2f, options.costBv6());
         assertEquals(options, options.toBuilder().build());
         assertTrue(Options.of(Kind.FAST).morton());
