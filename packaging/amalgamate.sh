@@ -119,6 +119,8 @@ function find_names(file, path, i, line, n, parts, in_enum) {
         }
         if (line ~ /^} [a-z_0-9]+(\[\])?( =.*|;)$/) {
             add_name(file, word_before(line, "(\\[| =|;)"))
+        } else if (line ~ /^typedef [^({]*[a-z_0-9];$/) {
+            add_name(file, word_before(line, ";"))
         } else if (line ~ /^typedef struct [a-z_0-9]+ \{$/) {
             split(line, parts, " ")
             add_name(file, parts[3])

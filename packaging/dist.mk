@@ -48,7 +48,10 @@ $(B)/onefile/single.o: dist/htree.c dist/htree.h
 
 $(B)/onefile/test_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(B)/onefile/htree.o
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
+	$(Q)$(CC) $(LINK) $(WRAP) -o $@ $^ -lcmocka -lm -lpthread
+
+$(B)/onefile/test_fuzz: $(call obj,$(FUZZ_SRC))
+$(B)/onefile/test_threads: WRAP := -Wl,--wrap=pthread_create
 
 $(B)/onefile/single_%: $(B)/tests/test_%.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(B)/onefile/single.o
 	$(call say,LINK,$@)
