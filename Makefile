@@ -41,6 +41,7 @@ have = $(shell $(PKG_CONFIG) --exists $(1) 2>/dev/null && echo yes)
 HAVE_PNG := $(call have,libpng)
 HAVE_ASSIMP := $(call have,assimp)
 HAVE_WEBP := $(call have,libwebpmux)
+HAVE_MPI := $(call have,mpi-c)
 HAVE_CMOCKA := $(call have,cmocka)
 HAVE_CLANG := $(shell command -v $(CLANG) >/dev/null && echo yes)
 HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VERSION=120 -E - >/dev/null 2>&1 && echo yes)
@@ -79,6 +80,9 @@ ifeq ($(HAVE_PNG),yes)
 PROGRAMS += $(B)/htree-render
 PROGRAMS += $(B)/htree-table1 $(B)/htree-visibility
 PROGRAMS += $(B)/htree-animate $(B)/htree-bench
+ifeq ($(HAVE_MPI),yes)
+PROGRAMS += $(B)/htree-mpi-render
+endif
 endif
 CL_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_CL_SRC))
 ifeq ($(HAVE_OPENCL)$(HAVE_CLANG),yesyes)
@@ -183,7 +187,15 @@ $(B)/htree-%: $(B)/examples/%.o $(call obj,$(PART_SRC)) $(CL_STATIC) $(STATIC)
 	$(Q)$(CC) $(LINK) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(MORE_LIBS) \
 	    $(PNG_LIBS) $(ASSIMP_LIBS) $(WEBP_LIBS) -lm -lpthread $(OPENCL_LIBS)
 
-# The other programs must not need what the benchmark compares with.
+# The other programs must not need MPI, nor what the benchmark compares with.
+MPI_CFLAGS := $(if $(HAVE_MPI),$(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags mpi-c)))
+$(B)/examples/mpi_render.o: PART_CPP += $(MPI_CFLAGS)
+$(B)/htree-mpi-render: MORE_LIBS := $(if $(HAVE_MPI),$(shell $(PKG_CONFIG) --libs mpi-c))
+$(B)/htree-mpi-render: $(B)/examples/mpi_render.o $(call obj,$(PART_SRC)) $(CL_STATIC) $(STATIC)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LINK) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(MORE_LIBS) \
+	    $(PNG_LIBS) $(ASSIMP_LIBS) $(WEBP_LIBS) -lm -lpthread $(OPENCL_LIBS)
+
 $(B)/htree-bench: $(call obj,$(BENCH_SRC))
 $(B)/htree-bench: MORE_LIBS := $(EMBREE_LIBS)
 
@@ -298,7 +310,7 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 	$(Q)$(MAKE) --no-print-directory config=release lib
 	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
 	$(Q)$(MAKE) --no-print-directory config=tsan all tests
-	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile dist docs
+	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile dist docs mpi
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh

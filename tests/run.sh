@@ -88,7 +88,7 @@ results=$(mktemp build/results.XXXXXX) || exit 1
 trap 'rm -f "$results"' EXIT
 for config in "$@"; do
     case $config in
-    house | bench | kernels | oclgrind | arm | install | onefile | dist | docs)
+    house | bench | kernels | oclgrind | arm | install | onefile | dist | docs | mpi)
         run_script "$config" "$results"
         continue
         ;;

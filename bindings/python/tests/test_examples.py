@@ -44,3 +44,17 @@ def test_ambient_occlusion_draws_a_picture(tmp_path: Path) -> None:
     inner = pixels[150:700, 100:860, :3].mean(axis=2)
     assert (inner < 0.45).mean() > 0.02  # shadows under the knot
     assert (inner > 0.85).mean() > 0.2  # open floor
+
+
+def test_dask_paints_what_one_process_paints(tmp_path: Path) -> None:
+    script = FOLDER / "examples/dask_render.py"
+    for workers in ("0", "2"):
+        command = [sys.executable, script, tmp_path / workers, workers]
+        subprocess.run(command, check=True, capture_output=True, timeout=300)
+    frames = sorted(path.name for path in (tmp_path / "0").iterdir())
+    assert len(frames) == 4
+    for frame in frames:
+        alone, together = ((tmp_path / workers / frame).read_bytes() for workers in ("0", "2"))
+        assert alone == together
+        assert max(alone[20:]) > 200
+    assert (tmp_path / "0" / frames[0]).read_bytes() != (tmp_path / "0" / frames[1]).read_bytes()
