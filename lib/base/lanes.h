@@ -1,5 +1,6 @@
 /* lanes.h: four floats at once, for builders and for rays made ready: SSE2 and NEON, which every
- * x86-64 and AArch64 has, and plain C elsewhere. The bits are the same: each lane does what vec.h does. */
+ * x86-64 and AArch64 has, and plain C elsewhere. The bits are the same: each lane does what vec.h
+ * does. */
 #ifndef HT_LANES4_H
 #define HT_LANES4_H
 

@@ -1,7 +1,7 @@
-/* collapse.c: a finished binary hierarchy becomes a wide tree: eight children a node and eight prims a
- * leaf, for vector units. A node opens the largest of its boxes until it has eight; what holds no more
- * than eight prims becomes a leaf. Boxes are made tight, whatever the planes above had left of them.
- */
+/* collapse.c: a finished binary hierarchy becomes a wide tree: eight children a node and eight
+ * prims a leaf, for vector units. A node opens the largest of its boxes until it has eight; what
+ * holds no more than eight prims becomes a leaf. Boxes are made tight, whatever the planes above
+ * had left of them. / */
 #include "collapse.h"
 #include "wide.h"
 #include "tree/visit.h"
@@ -34,8 +34,8 @@ static htree_box box_of_prim(const htree *tree, uint32_t prim) {
     return box;
 }
 
-/* Writes the children of a node and returns how many; *own is what its own leaf holds. Apart from the
- * recursion, whose frames are small so. */
+/* Writes the children of a node and returns how many; *own is what its own leaf holds. Apart from
+ * the recursion, whose frames are small so. */
 static HT_NOINLINE uint32_t view_children(const htree *tree, const ht_place *place, ht_place *child,
                                           subtree *own) {
     ht_node_view view;

@@ -1,7 +1,8 @@
 /* mesh.c: checks a mesh, copies what the tree keeps, and makes prims of what can be hit.
  *
- * Triangles are loaded in chunks, whose number follows from the mesh. A chunk leaves out what cannot
- * be hit, and the gaps are closed afterwards, so prims come in the same order from any threads. */
+ * Triangles are loaded in chunks, whose number follows from the mesh. A chunk leaves out what
+ * cannot be hit, and the gaps are closed afterwards, so prims come in the same order from any
+ * threads. */
 #include "mesh.h"
 
 /* ---- Check ---------------------------------------------------------------------------------- */

@@ -40,9 +40,9 @@ htree_kind htree_kind_from_name(const char *name) {
     return 0;
 }
 
-/* What the presets stand for: chosen by measurement over objects and interiors. Wide trees are ahead
- * of all others in tracing; a BVH without a grid, collapsed, is the best of them and four times the
- * work. More axes cost time and gained nothing on interiors. */
+/* What the presets stand for: chosen by measurement over objects and interiors. Wide trees are
+ * ahead of all others in tracing; a BVH without a grid, collapsed, is the best of them and four
+ * times the work. More axes cost time and gained nothing on interiors. */
 static void resolve_preset(htree_options *options) {
     switch (options->kind) {
     case HTREE_FAST: options->flags |= HTREE_MORTON; break;

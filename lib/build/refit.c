@@ -1,8 +1,8 @@
 /* refit.c: new positions into the leaves of a wide tree, and boxes around them from the leaves up.
  *
  * The top is opened until there are subtrees enough for all threads. Each is refitted depth first,
- * and the top's nodes at last, children before parents. Boxes are as exact as those of a build; what
- * suffers is their fit, which the areas tell. */
+ * and the top's nodes at last, children before parents. Boxes are as exact as those of a build;
+ * what suffers is their fit, which the areas tell. */
 #include "refit.h"
 #include "wide.h"
 
@@ -285,7 +285,7 @@ static void close_top(const refitting *r) {
     }
 }
 
-/* Areas of all boxes over that of the bounds: what a ray that meets the bounds is expected to meet. */
+/* Areas of all boxes over that of the bounds: what a ray that meets these is expected to meet. */
 static double run(refitting *r, bool as_built) {
     double areas = 0;
     htree *tree = r->tree;

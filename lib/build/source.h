@@ -78,8 +78,8 @@ HT_INLINE bool ht_corners_are_in_range(const ht_corners *c) {
     return (~finite & HT_XYZ) == 0 && (beyond & HT_XYZ) == 0;
 }
 
-/* Settles nearly all triangles: a component of the cross product carries five roundings, so one that
- * stands out by more than 2^-20 is not 0. */
+/* Settles nearly all triangles: a component of the cross product carries five roundings, so one
+ * that stands out by more than 2^-20 is not 0. */
 HT_INLINE bool ht_corners_have_area(const ht_corners *c) {
     const ht_f4 a = ht_f4_sub(c->v[1], c->v[0]), b = ht_f4_sub(c->v[2], c->v[0]);
     const ht_f4 p = ht_f4_mul(a, ht_f4_rotate(b)), q = ht_f4_mul(ht_f4_rotate(a), b);

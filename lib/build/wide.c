@@ -1,9 +1,9 @@
 /* wide.c: the wide tree: eight children a node, eight prims a leaf.
  *
- * All prims are sorted into cells once; the top is built over the cells as weighted prims; what hangs
- * below it is cut into errands for all threads, or for the rays that come there first. Errands and
- * their order follow from the input alone, and so do the bytes of the tree. O(N log log N) where prims
- * are spread evenly, else O(N log N). */
+ * All prims are sorted into cells once; the top is built over the cells as weighted prims; what
+ * hangs below it is cut into errands for all threads, or for the rays that come there first.
+ * Errands and their order follow from the input alone, and so do the bytes of the tree. O(N log log
+ * N) where prims are spread evenly, else O(N log N). */
 #include "wide.h"
 
 htree_status ht_wide_allocate(htree *tree, uint64_t nodes, uint64_t leaves) {

@@ -1,7 +1,7 @@
 /* wide_cells.c: grids over centroids, and finer ones inside of crowded cells: the recursion of
- * section 7.2. Its cells keep exact boxes of what they hold and become weighted prims for the top of
- * the tree, where the paper sums counts and searches: that costs less than the sums, and finds better
- * splits. */
+ * section 7.2. Its cells keep exact boxes of what they hold and become weighted prims for the top
+ * of the tree, where the paper sums counts and searches: that costs less than the sums, and finds
+ * better splits. */
 #include "cells.h"
 #include "prims.h"
 #include "wide.h"

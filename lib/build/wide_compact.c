@@ -1,6 +1,6 @@
-/* wide_compact.c: a finished wide tree in less than half of its memory. Planes become bytes, rounded
- * outward; leaves share the vertices of their neighbourhood, as a mesh does. Corners stay exact, so
- * hits do not change.
+/* wide_compact.c: a finished wide tree in less than half of its memory. Planes become bytes,
+ * rounded outward; leaves share the vertices of their neighbourhood, as a mesh does. Corners stay
+ * exact, so hits do not change.
  *
  * Chunks of leaves share no vertices; their number is fixed, and so are the bytes. */
 #include "wide.h"

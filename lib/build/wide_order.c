@@ -1,5 +1,5 @@
-/* wide_order.c: errands by Morton order: each has its place in the tree from the start. They are run
- * at once, on all threads; or, in a lazy tree, by the first ray that gets there.
+/* wide_order.c: errands by Morton order: each has its place in the tree from the start. They are
+ * run at once, on all threads; or, in a lazy tree, by the first ray that gets there.
  *
  * A lazy tree's nodes say HT_WIDE_PENDING | errand where the subtree may be missing. Whoever comes
  * there asks its state: the first one builds it, others wait for the microseconds that it takes. No

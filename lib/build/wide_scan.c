@@ -1,8 +1,9 @@
 /* wide_scan.c: the first pass over a mesh: what can be hit, its bounds, and the cell of each prim
  * in a grid over all of them (section 7.1), with exact boxes of what the cells hold.
  *
- * Each thread takes a chunk of the prims and has its own table of cells. Chunks follow each other in
- * order of id, and so do the prims of a cell, so the result does not depend on how many there are. */
+ * Each thread takes a chunk of the prims and has its own table of cells. Chunks follow each other
+ * in order of id, and so do the prims of a cell, so the result does not depend on how many there
+ * are. */
 #include "cells.h"
 #include "wide.h"
 

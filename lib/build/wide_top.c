@@ -1,5 +1,5 @@
-/* wide_top.c: the top of a wide tree, over cells as weighted prims, down to errands for all threads.
- * Also the split of runs into children, which the errands share. */
+/* wide_top.c: the top of a wide tree, over cells as weighted prims, down to errands for all
+ * threads. Also the split of runs into children, which the errands share. */
 #include "prims.h"
 #include "wide.h"
 
