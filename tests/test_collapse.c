@@ -59,25 +59,11 @@ static void deep_trees_stay_within_their_levels(void **state) {
 }
 
 static void every_allocation_may_fail(void **state) {
-    ledger books;
     shape s = shape_of("knot", 3000, 3);
     const htree_mesh mesh = mesh_of(&s);
-    htree_options options = collapse_options(HTREE_H, 0);
-    htree_status status = HTREE_ERROR_MEMORY;
+    const htree_options options = collapse_options(HTREE_H, 0);
     (void)state;
-    ledger_init(&books);
-    options.allocator = ledger_allocator(&books);
-    options.threads = 1;
-    for (uint64_t k = 1; status != HTREE_OK; ++k) {
-        htree *tree = NULL;
-        ledger_fail(&books, k, true);
-        status = htree_build(&tree, &mesh, &options);
-        assert_true(status == HTREE_ERROR_MEMORY || status == HTREE_OK);
-        assert_true((tree != NULL) == (status == HTREE_OK));
-        htree_free(tree);
-    }
-    ledger_assert_balanced(&books);
-    ledger_free(&books);
+    ledger_fail_builds(&mesh, &options);
     shape_free(&s);
 }
 

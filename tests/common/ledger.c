@@ -84,3 +84,22 @@ void ledger_assert_balanced(const ledger *l) {
     assert_int_equal(l->live_blocks, 0);
     assert_int_equal(l->live_bytes, 0);
 }
+
+void ledger_fail_builds(const htree_mesh *mesh, const htree_options *options) {
+    htree_options own = *options;
+    htree_status status = HTREE_ERROR_MEMORY;
+    ledger books;
+    ledger_init(&books);
+    own.allocator = ledger_allocator(&books);
+    own.threads = 1;
+    for (uint64_t k = 1; status != HTREE_OK; ++k) {
+        htree *tree = NULL;
+        ledger_fail(&books, k, true);
+        status = htree_build(&tree, mesh, &own);
+        assert_true(status == HTREE_ERROR_MEMORY || status == HTREE_OK);
+        assert_true((tree != NULL) == (status == HTREE_OK));
+        htree_free(tree);
+    }
+    ledger_assert_balanced(&books);
+    ledger_free(&books);
+}

@@ -26,6 +26,10 @@ htree_allocator ledger_allocator(ledger *l);
 /* Forgets the calls and orders call number `call` to fail; 0 for none. */
 void ledger_fail(ledger *l, uint64_t call, bool for_good);
 
+/* Builds the mesh again and again on one thread, each time with one more allocation that succeeds,
+ * until the build does: it must fail with MEMORY before, and leave nothing behind. */
+void ledger_fail_builds(const htree_mesh *mesh, const htree_options *options);
+
 /* Fails the test unless everything came back and nothing was wrong. */
 void ledger_assert_balanced(const ledger *l);
 
