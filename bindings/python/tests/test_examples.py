@@ -49,7 +49,7 @@ def test_ambient_occlusion_draws_a_picture(tmp_path: Path) -> None:
 def test_dask_paints_what_one_process_paints(tmp_path: Path) -> None:
     script = FOLDER / "examples/dask_render.py"
     for workers in ("0", "2"):
-        command = [sys.executable, script, tmp_path / workers, workers]
+        command = [sys.executable, str(script), str(tmp_path / workers), workers]
         subprocess.run(command, check=True, capture_output=True, timeout=300)
     frames = sorted(path.name for path in (tmp_path / "0").iterdir())
     assert len(frames) == 4
