@@ -27,6 +27,7 @@ suits() {
     case $1-$(basename "$2") in
     tsan-test_cl | tsan-test_cl_api | tsan-test_cl_processes) return 1 ;;
     tsan-test_cl_arguments | tsan-test_cl_devices | tsan-test_cl_faults) return 1 ;; # one thread
+    tsan-test_file_broken | tsan-test_exact) return 1 ;;                            # one thread
     esac
 }
 
