@@ -18,16 +18,8 @@ static uint64_t rays_total, differences_total;
 
 static void compare_with(const htree *tree, const htree_ray *rays, const htree_hit *truth,
                          uint64_t count) {
-    htree_hit *const hits = (htree_hit *)take(count * sizeof *hits);
-    uint8_t *const any = (uint8_t *)take(count);
-    assert_int_equal(htree_intersect(tree, rays, count, hits, NULL), HTREE_OK);
-    assert_int_equal(htree_occluded(tree, rays, count, any, NULL), HTREE_OK);
-    differences_total += hits_differ(hits, truth, count);
-    for (uint64_t i = 0; i < count; ++i)
-        differences_total += any[i] != (truth[i].prim != HTREE_NONE);
+    differences_total += batch_differs(tree, rays, truth, count);
     rays_total += count;
-    free(any);
-    free(hits);
 }
 
 static void compact_trees_answer_as_the_oracle(void **state) {

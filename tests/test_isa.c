@@ -27,12 +27,7 @@ static uint32_t last_path;
 static void compare_path(const htree *tree, const htree_ray *rays, const htree_hit *truth,
                          uint64_t count) {
     htree_hit *const hits = (htree_hit *)take(count * sizeof *hits);
-    uint8_t *const any = (uint8_t *)take(count);
-    assert_int_equal(htree_intersect(tree, rays, count, hits, NULL), HTREE_OK);
-    assert_int_equal(htree_occluded(tree, rays, count, any, NULL), HTREE_OK);
-    differences_total += hits_differ(hits, truth, count);
-    for (uint64_t i = 0; i < count; ++i)
-        differences_total += any[i] != (truth[i].prim != HTREE_NONE);
+    differences_total += batch_differs(tree, rays, truth, count);
     for (uint64_t i = 0; i < count; i += 7) {
         uint8_t one_any = 0x5a;
         htree_hit one;
@@ -46,7 +41,6 @@ static void compare_path(const htree *tree, const htree_ray *rays, const htree_h
     }
     rays_total += count;
     free(hits);
-    free(any);
 }
 
 static void compare_paths(const htree_mesh *mesh, const htree_ray *rays, uint64_t count) {

@@ -213,21 +213,29 @@ static void prefetch_children(const refitting *r, const ht_wide_node *node) {
     }
 }
 
+static ht_box4 refit_node(const refitting *r, uint32_t slot, double *areas);
+
+/* What hangs in a lane, and the lane's own box around it, which is returned. */
+static ht_box4 refit_lane(const refitting *r, ht_wide_node *node, uint32_t lane, double *areas) {
+    const uint32_t child = node->child[lane];
+    ht_box4 box = lane_box(node, lane);
+    if (!(child & HT_WIDE_LEAF)) {
+        box = refit_node(r, child, areas);
+    } else if (!r->as_built) {
+        box = refit_leaf(r, &r->tree->leaves[child & ~HT_WIDE_LEAF]);
+    }
+    if (!r->as_built) set_lane(node, lane, &box);
+    return box;
+}
+
 static ht_box4 refit_node(const refitting *r, uint32_t slot, double *areas) {
     ht_wide_node *node = node_at(r, slot);
     prefetch_children(r, node);
     for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
-        const uint32_t child = node->child[lane];
-        if (child == HT_WIDE_NONE) continue;
-        ht_box4 box = lane_box(node, lane);
-        if (!(child & HT_WIDE_LEAF)) {
-            box = refit_node(r, child, areas);
-        } else if (!r->as_built) {
-            box = refit_leaf(r, &r->tree->leaves[child & ~HT_WIDE_LEAF]);
-        }
+        if (node->child[lane] == HT_WIDE_NONE) continue;
+        const ht_box4 box = refit_lane(r, node, lane, areas);
         const htree_box b = ht_box4_box(&box);
         *areas += (double)ht_box_area(&b);
-        if (!r->as_built) set_lane(node, lane, &box);
     }
     return node_box(node);
 }
@@ -235,15 +243,7 @@ static ht_box4 refit_node(const refitting *r, uint32_t slot, double *areas) {
 static void refit_subtree(void *data, uint32_t index) {
     refitting *r = (refitting *)data;
     subtree *s = &r->subtrees[index];
-    ht_wide_node *parent = node_at(r, s->parent);
-    const uint32_t child = parent->child[s->lane];
-    ht_box4 box = lane_box(parent, s->lane);
-    if (!(child & HT_WIDE_LEAF)) {
-        box = refit_node(r, child, &s->areas);
-    } else if (!r->as_built) {
-        box = refit_leaf(r, &r->tree->leaves[child & ~HT_WIDE_LEAF]);
-    }
-    if (!r->as_built) set_lane(parent, s->lane, &box);
+    (void)refit_lane(r, node_at(r, s->parent), s->lane, &s->areas);
 }
 
 /* ---- The top -------------------------------------------------------------------------------- */

@@ -146,3 +146,16 @@ uint64_t hits_differ(const htree_hit *a, const htree_hit *b, uint64_t count) {
     for (uint64_t i = 0; i < count; ++i) differences += memcmp(&a[i], &b[i], sizeof a[i]) != 0;
     return differences;
 }
+
+uint64_t batch_differs(const htree *tree, const htree_ray *rays, const htree_hit *truth,
+                       uint64_t count) {
+    htree_hit *const hits = (htree_hit *)take(count * sizeof *hits);
+    uint8_t *const any = (uint8_t *)take(count);
+    assert_int_equal(htree_intersect(tree, rays, count, hits, NULL), HTREE_OK);
+    assert_int_equal(htree_occluded(tree, rays, count, any, NULL), HTREE_OK);
+    uint64_t differences = hits_differ(hits, truth, count);
+    for (uint64_t i = 0; i < count; ++i) differences += any[i] != (truth[i].prim != HTREE_NONE);
+    free(any);
+    free(hits);
+    return differences;
+}

@@ -84,4 +84,8 @@ htree_stats stats_of(const htree *tree);
 /* Number of hits that are not the same 16 bytes. */
 uint64_t hits_differ(const htree_hit *a, const htree_hit *b, uint64_t count);
 
+/* Traces a batch, closest and any; returns how many answers are not what the hits in `truth` say. */
+uint64_t batch_differs(const htree *tree, const htree_ray *rays, const htree_hit *truth,
+                       uint64_t count);
+
 #endif
