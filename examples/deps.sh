@@ -4,10 +4,13 @@
 # Exit status: 0 if everything required is there. What is optional is worth a note.
 set -eu
 
+# A name without an architecture means this machine's, though another's may be there beside it.
 list_missing() {
+    native=$(dpkg --print-architecture 2>/dev/null || true)
     for package in "$@"; do
-        status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
-        [ "$status" = "install ok installed" ] || printf ' %s' "$package"
+        case $package in *:*) wanted=${package#*:} ;; *) wanted="$native|all" ;; esac
+        dpkg-query -W -f '${Architecture} ${Status}\n' "$package" 2>/dev/null |
+            grep -qEx "($wanted) install ok installed" || printf ' %s' "$package"
     done
 }
 
