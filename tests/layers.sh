@@ -53,8 +53,8 @@ FNR == 1 {
     next
 }
 /^[ \t]*#[ \t]*include[ \t]*</ {
-    if ($0 ~ /pthread|threads\.h/ && mine != "base/tasks.c")
-        complain("only lib/base/tasks.c may use threads")
+    if ($0 ~ /pthread|threads\.h/ && mine !~ /^base\/tasks\.[ch]$/)
+        complain("only lib/base/tasks.[ch] may use threads")
     next
 }
 {
@@ -78,8 +78,8 @@ FNR == 1 {
     code = " " line
     if (code ~ /[^A-Za-z0-9_>.](malloc|calloc|realloc|free|aligned_alloc|posix_memalign|alloca)[ \t]*\(/ &&
         mine != "base/memory.c") complain("only lib/base/memory.c may allocate")
-    if (code ~ /[^A-Za-z0-9_](pthread_|thrd_)/ && mine != "base/tasks.c")
-        complain("only lib/base/tasks.c may use threads")
+    if (code ~ /[^A-Za-z0-9_](pthread_|thrd_)/ && mine !~ /^base\/tasks\.[ch]$/)
+        complain("only lib/base/tasks.[ch] may use threads")
     if (code ~ /[^A-Za-z0-9_](printf|fprintf|vprintf|vfprintf|puts|fputs|putchar|perror|exit|abort)[ \t]*\(/)
         complain("the library does not print and does not exit")
     if (code ~ /[^A-Za-z0-9_](setjmp|longjmp|signal|getenv|setlocale|rand|srand|errno)[^A-Za-z0-9_]/)

@@ -1,22 +1,16 @@
+/* tasks.c: a team's helpers come and go through a door. The caller opens it with a loop behind it,
+ * works along, closes it, and waits until the last helper has left; who comes late finds it closed
+ * and misses nothing. */
 #include "tasks.h"
 
 #ifndef HTREE_NO_THREADS
-#include <pthread.h>
 #include <unistd.h>
 #endif
 
-typedef struct ht_loop {
-    ht_task *task;
-    void *data;
-    uint32_t count;
-    uint32_t next;
-} ht_loop;
-
-static void *loop_run(void *argument) {
-    ht_loop *loop = (ht_loop *)argument;
+static void loop_run(ht_loop *loop) {
     for (;;) {
         const uint32_t index = __atomic_fetch_add(&loop->next, 1, __ATOMIC_RELAXED);
-        if (index >= loop->count) return NULL;
+        if (index >= loop->count) return;
         loop->task(loop->data, index);
     }
 }
@@ -29,83 +23,178 @@ uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
     return 1;
 }
 
-static void loop_run_threaded(ht_loop *loop, uint32_t threads) {
-    (void)threads;
-    loop_run(loop);
+static void run_threaded(ht_team *team) {
+    loop_run(&team->loop);
+}
+
+static void begin_threads(ht_team *team) {
+    (void)team;
+}
+
+static void end_threads(ht_team *team) {
+    (void)team;
 }
 
 #else
 
-enum { MAX_THREADS = 256 };
+static const uint32_t OPEN = UINT32_C(1) << 31;
+
+/* The next loop of a build comes soon: asking for some microseconds is cheaper than to sleep. */
+enum { PATIENCE = 4000 };
 
 uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
     if (threads == 0 || (hook && hook->run)) {
         const long cores = sysconf(_SC_NPROCESSORS_ONLN);
         threads = cores < 1 ? 1 : (uint32_t)cores;
     }
-    return threads < MAX_THREADS ? threads : MAX_THREADS;
+    return threads < HT_MOST_THREADS ? threads : HT_MOST_THREADS;
 }
 
-static void loop_run_threaded(ht_loop *loop, uint32_t threads) {
-    pthread_t helper[MAX_THREADS - 1];
-    uint32_t started = 0;
-    threads = ht_thread_count(NULL, threads);
-    if (threads > loop->count) threads = loop->count;
-    while (started + 1 < threads) {
-        if (pthread_create(&helper[started], NULL, loop_run, loop) != 0) break;
-        ++started;
+static void breathe(void) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* ---- The helpers' side ---------------------------------------------------------------------- */
+
+static bool is_open(const ht_team *team) {
+    return (__atomic_load_n(&team->door, __ATOMIC_ACQUIRE) & OPEN) != 0;
+}
+
+/* Waits until the door is open; returns false once the team has ended. */
+static bool wait_at_door(ht_team *team) {
+    for (uint32_t i = 0; i < PATIENCE; ++i) {
+        if (is_open(team)) return true;
+        breathe();
     }
-    loop_run(loop);
-    while (started > 0) pthread_join(helper[--started], NULL);
+    pthread_mutex_lock(&team->lock);
+    ++team->asleep;
+    while (!team->ended && !is_open(team)) pthread_cond_wait(&team->opened, &team->lock);
+    --team->asleep;
+    const bool ended = team->ended;
+    pthread_mutex_unlock(&team->lock);
+    return !ended;
+}
+
+static bool enter(ht_team *team) {
+    uint32_t seen = __atomic_load_n(&team->door, __ATOMIC_RELAXED);
+    while (seen & OPEN) {
+        if (__atomic_compare_exchange_n(&team->door, &seen, seen + 1, true, __ATOMIC_ACQUIRE,
+                                        __ATOMIC_RELAXED))
+            return true;
+    }
+    return false;
+}
+
+static void leave(ht_team *team) {
+    if (__atomic_sub_fetch(&team->door, 1, __ATOMIC_ACQ_REL) != 0) return;
+    pthread_mutex_lock(&team->lock);
+    pthread_cond_signal(&team->emptied);
+    pthread_mutex_unlock(&team->lock);
+}
+
+static void *help(void *argument) {
+    ht_team *team = (ht_team *)argument;
+    while (wait_at_door(team)) {
+        if (!enter(team)) continue;
+        loop_run(&team->loop);
+        leave(team);
+    }
+    return NULL;
+}
+
+/* ---- The caller's side ---------------------------------------------------------------------- */
+
+static void open_door(ht_team *team) {
+    pthread_mutex_lock(&team->lock);
+    __atomic_store_n(&team->door, OPEN, __ATOMIC_RELEASE);
+    if (team->asleep > 0) pthread_cond_broadcast(&team->opened);
+    pthread_mutex_unlock(&team->lock);
+}
+
+static void start_helpers(ht_team *team) {
+    const uint32_t wanted = team->threads < team->loop.count ? team->threads : team->loop.count;
+    while (team->helpers + 1 < wanted) {
+        if (pthread_create(&team->helper[team->helpers], NULL, help, team) != 0) {
+            team->threads = team->helpers + 1;
+            return;
+        }
+        ++team->helpers;
+    }
+}
+
+static void close_door(ht_team *team) {
+    if (__atomic_and_fetch(&team->door, ~OPEN, __ATOMIC_ACQ_REL) == 0) return;
+    for (uint32_t i = 0; i < PATIENCE; ++i) {
+        if (__atomic_load_n(&team->door, __ATOMIC_ACQUIRE) == 0) return;
+        breathe();
+    }
+    pthread_mutex_lock(&team->lock);
+    while (__atomic_load_n(&team->door, __ATOMIC_ACQUIRE) != 0)
+        pthread_cond_wait(&team->emptied, &team->lock);
+    pthread_mutex_unlock(&team->lock);
+}
+
+static void run_threaded(ht_team *team) {
+    open_door(team);
+    start_helpers(team);
+    loop_run(&team->loop);
+    close_door(team);
+}
+
+static void begin_threads(ht_team *team) {
+    team->door = team->asleep = 0;
+    team->ended = false;
+    pthread_mutex_init(&team->lock, NULL);
+    pthread_cond_init(&team->opened, NULL);
+    pthread_cond_init(&team->emptied, NULL);
+}
+
+static void end_threads(ht_team *team) {
+    pthread_mutex_lock(&team->lock);
+    team->ended = true;
+    pthread_cond_broadcast(&team->opened);
+    pthread_mutex_unlock(&team->lock);
+    while (team->helpers > 0) pthread_join(team->helper[--team->helpers], NULL);
+    pthread_cond_destroy(&team->emptied);
+    pthread_cond_destroy(&team->opened);
+    pthread_mutex_destroy(&team->lock);
 }
 
 #endif
 
+/* ---- Teams ---------------------------------------------------------------------------------- */
+
+void ht_team_begin(ht_team *team, const htree_tasks *hook, uint32_t threads) {
+    team->hook = hook;
+    team->threads = hook->run ? threads : ht_thread_count(NULL, threads);
+    team->helpers = 0;
+    begin_threads(team);
+}
+
+void ht_team_run(ht_team *team, uint32_t count, ht_task *task, void *data) {
+    /* next wraps only if count + threads exceeds 2^32; callers cut work into far fewer tasks. */
+    const ht_loop loop = {task, data, count, 0};
+    assert(count < UINT32_MAX / 2);
+    team->loop = loop;
+    if (count <= 1 || team->threads == 1) {
+        loop_run(&team->loop);
+    } else if (team->hook->run) {
+        team->hook->run(team->hook->user, count, task, data);
+    } else {
+        run_threaded(team);
+    }
+}
+
+void ht_team_end(ht_team *team) {
+    end_threads(team);
+}
+
 void ht_parallel_for(const htree_tasks *hook, uint32_t threads, uint32_t count, ht_task *task,
                      void *data) {
-    /* next wraps only if count + threads exceeds 2^32; callers cut work into far fewer tasks. */
-    ht_loop loop = {task, data, count, 0};
-    assert(count < UINT32_MAX / 2);
-    if (count == 0) return;
-    if (count == 1 || threads == 1) {
-        loop_run(&loop);
-    } else if (hook->run) {
-        hook->run(hook->user, count, task, data);
-    } else {
-        loop_run_threaded(&loop, threads);
-    }
-}
-
-/* A report for every object would cost more than the object. */
-static const double REPORT_STEP = 1.0 / 256;
-
-/* The address of a thread's own variable names the thread without a system call. */
-static const void *this_thread(void) {
-    static __thread char here;
-    return &here;
-}
-
-void ht_progress_begin(ht_progress *progress, const htree_progress *hook, uint64_t total) {
-    progress->hook = *hook;
-    progress->done = 0;
-    progress->total = total;
-    progress->thread = this_thread();
-    progress->reported = 0;
-    /* Once for sure: other threads may do all of the work before this one gets to any. */
-    progress->cancelled = hook->report && hook->report(hook->user, 0) ? 1 : 0;
-}
-
-bool ht_progress_step(ht_progress *progress, uint64_t amount) {
-    if (!progress->hook.report) return true;
-    const uint64_t done = __atomic_add_fetch(&progress->done, amount, __ATOMIC_RELAXED);
-    const double fraction = done < progress->total ? (double)done / (double)progress->total : 1;
-    if (progress->thread == this_thread() &&
-        !__atomic_load_n(&progress->cancelled, __ATOMIC_RELAXED) &&
-        fraction >= progress->reported + REPORT_STEP) {
-        progress->reported = fraction;
-        if (progress->hook.report(progress->hook.user, fraction)) {
-            __atomic_store_n(&progress->cancelled, 1, __ATOMIC_RELAXED);
-        }
-    }
-    return !__atomic_load_n(&progress->cancelled, __ATOMIC_RELAXED);
+    ht_team team;
+    ht_team_begin(&team, hook, threads);
+    ht_team_run(&team, count, task, data);
+    ht_team_end(&team);
 }

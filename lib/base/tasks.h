@@ -1,4 +1,4 @@
-/* tasks.h: one parallel loop, and the progress that calls report from it.
+/* tasks.h: the only way to threads: a team, which runs one parallel loop after another.
  *
  * Work is cut by input, never by the number of threads, so results cannot depend on it. */
 #ifndef HT_TASKS_H
@@ -6,29 +6,52 @@
 
 #include "base.h"
 
+#ifndef HTREE_NO_THREADS
+#include <pthread.h>
+#endif
+
 typedef void ht_task(void *data, uint32_t index);
 
-/* Calls task(data, i) once for 0 <= i < count and returns when all are done: through the hook if
- * there is one, else on at most `threads` threads (0: one per core), the caller's among them. A
- * thread that cannot be started is work for the others, not an error. */
+typedef struct ht_loop {
+    ht_task *task;
+    void *data;
+    uint32_t count, next;
+} ht_loop;
+
+enum { HT_MOST_THREADS = 256 };
+
+/* The caller's thread, and helpers that stay until the team ends: starting a thread takes as long
+ * as thousands of triangles. */
+typedef struct ht_team {
+    const htree_tasks *hook;
+    uint32_t threads; /* at most, the caller's among them; of a hook: 1, or what it likes */
+    uint32_t helpers; /* started so far */
+    ht_loop loop;
+#ifndef HTREE_NO_THREADS
+    uint32_t door; /* OPEN while the loop may be entered | helpers inside */
+    bool ended;
+    uint32_t asleep; /* helpers that wait for `opened` */
+    pthread_mutex_t lock;
+    pthread_cond_t opened, emptied;
+    pthread_t helper[HT_MOST_THREADS - 1];
+#endif
+} ht_team;
+
+/* Loops go through the hook if there is one, else run on at most `threads` threads (0: one per
+ * core). Threads are started when a loop has work for them; one that cannot be started is work for
+ * the others, not an error. */
+void ht_team_begin(ht_team *team, const htree_tasks *hook, uint32_t threads);
+
+/* Calls task(data, i) once for 0 <= i < count and returns when all are done. Not from a task. */
+void ht_team_run(ht_team *team, uint32_t count, ht_task *task, void *data);
+
+void ht_team_end(ht_team *team);
+
+/* A team for one loop. */
 void ht_parallel_for(const htree_tasks *hook, uint32_t threads, uint32_t count, ht_task *task,
                      void *data);
 
 /* Threads that such a loop may have: as many as cores where the hook decides. */
 uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads);
-
-/* Progress of one call. Any thread may ask ht_progress_step; only the thread that began reports. */
-typedef struct ht_progress {
-    htree_progress hook;
-    uint64_t done, total;
-    double reported;
-    const void *thread;
-    uint32_t cancelled;
-} ht_progress;
-
-void ht_progress_begin(ht_progress *progress, const htree_progress *hook, uint64_t total);
-
-/* Adds `amount` of the total; returns false once the call has been cancelled. */
-bool ht_progress_step(ht_progress *progress, uint64_t amount);
 
 #endif

@@ -90,10 +90,13 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
                                size_t row) {
     const uint64_t prims = (uint64_t)tree->triangle_count + tree->object_count;
     ht_builder builder;
+    ht_team team;
     memset(&builder, 0, sizeof builder);
     builder.options = options;
     builder.mesh = mesh;
     builder.tree = tree;
+    builder.team = &team;
+    ht_team_begin(&team, &options->tasks, options->threads);
     htree_status status = ht_copy_objects(&builder);
     if (status == HTREE_OK) {
         status = builders[row].loads ? builders[row].build(&builder)
@@ -104,6 +107,7 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
         if (status == HTREE_OK && options->flags & HTREE_COMPACT)
             status = ht_wide_compact(&builder);
     }
+    ht_team_end(&team);
     ht_release(&tree->memory, builder.spare, tree->prim_count * sizeof(ht_prim));
     ht_release(&tree->memory, builder.prims, prims * sizeof(ht_prim));
     if (status == HTREE_ERROR_CANCELLED) ht_fail(status, "the progress hook cancelled the build");

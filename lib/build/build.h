@@ -51,6 +51,7 @@ typedef struct ht_builder {
     ht_prim
         *prims; /* tree->prim_count of them, at least 1, in order of id; the builder may permute */
     ht_prim *spare; /* see ht_builder_spare */
+    ht_team *team;
     ht_progress progress;
 } ht_builder;
 
@@ -61,7 +62,7 @@ ht_prim *ht_builder_spare(ht_builder *builder);
 /* Runs the tasks on the threads of the build. */
 HT_INLINE void ht_builder_run(const ht_builder *builder, uint32_t count, ht_task *task,
                               void *data) {
-    ht_parallel_for(&builder->options->tasks, builder->options->threads, count, task, data);
+    ht_team_run(builder->team, count, task, data);
 }
 
 typedef htree_status ht_build(ht_builder *builder);

@@ -1,7 +1,7 @@
 /* batch.c: batches in arrays of the host, in as many segments as the device's memory wants. */
 #include "cl.h"
 #include "base/sized.h"
-#include "base/tasks.h"
+#include "base/progress.h"
 
 /* ---- Segments ------------------------------------------------------------------------------- */
 

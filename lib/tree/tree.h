@@ -4,6 +4,7 @@
 
 #include "base/isa.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "base/tasks.h"
 #include "base/vec.h"
 #include "planes.h"
