@@ -46,6 +46,17 @@ HT_INLINE ht_f4 ht_f4_max(ht_f4 a, ht_f4 b) {
     return _mm_max_ps(b, a);
 }
 
+HT_INLINE ht_f4 ht_f4_magnitude(ht_f4 a) {
+    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
+}
+
+/* The last lane replaced by bits that are no number. */
+HT_INLINE ht_f4 ht_f4_with_bits(ht_f4 a, uint32_t bits) {
+    const __m128i xyz = _mm_srli_si128(_mm_set1_epi32(-1), 4);
+    const __m128i last = _mm_slli_si128(_mm_cvtsi32_si128((int)bits), 12);
+    return _mm_or_ps(_mm_and_ps(a, _mm_castsi128_ps(xyz)), _mm_castsi128_ps(last));
+}
+
 /* y z x w */
 HT_INLINE ht_f4 ht_f4_rotate(ht_f4 a) {
     return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 0, 2, 1));
@@ -122,6 +133,14 @@ HT_INLINE ht_f4 ht_f4_min(ht_f4 a, ht_f4 b) {
 
 HT_INLINE ht_f4 ht_f4_max(ht_f4 a, ht_f4 b) {
     return vbslq_f32(vcgtq_f32(b, a), b, a);
+}
+
+HT_INLINE ht_f4 ht_f4_magnitude(ht_f4 a) {
+    return vabsq_f32(a);
+}
+
+HT_INLINE ht_f4 ht_f4_with_bits(ht_f4 a, uint32_t bits) {
+    return vreinterpretq_f32_u32(vsetq_lane_u32(bits, vreinterpretq_u32_f32(a), 3));
 }
 
 HT_INLINE ht_f4 ht_f4_rotate(ht_f4 a) {
@@ -211,6 +230,16 @@ HT_INLINE ht_f4 ht_f4_max(ht_f4 a, ht_f4 b) {
     return a;
 }
 
+HT_INLINE ht_f4 ht_f4_magnitude(ht_f4 a) {
+    for (int k = 0; k < 4; ++k) a.v[k] = ht_magnitude(a.v[k]);
+    return a;
+}
+
+HT_INLINE ht_f4 ht_f4_with_bits(ht_f4 a, uint32_t bits) {
+    memcpy(&a.v[3], &bits, sizeof bits);
+    return a;
+}
+
 HT_INLINE ht_f4 ht_f4_rotate(ht_f4 a) {
     return ht_f4_set(a.v[1], a.v[2], a.v[0], a.v[3]);
 }
@@ -255,10 +284,6 @@ HT_INLINE ht_f4 ht_f4_all(float x) {
     return ht_f4_set(x, x, x, x);
 }
 
-HT_INLINE ht_f4 ht_f4_magnitude(ht_f4 a) {
-    return ht_f4_max(a, ht_f4_sub(ht_f4_all(0), a));
-}
-
 /* The largest of the first three lanes, in each of them. */
 HT_INLINE ht_f4 ht_f4_largest(ht_f4 a) {
     const ht_f4 next = ht_f4_rotate(a);
@@ -290,6 +315,19 @@ HT_INLINE ht_box4 ht_box4_empty(void) {
 HT_INLINE void ht_box4_add(ht_box4 *box, ht_f4 lo, ht_f4 hi) {
     box->lo = ht_f4_min(box->lo, lo);
     box->hi = ht_f4_max(box->hi, hi);
+}
+
+HT_INLINE ht_box4 ht_box4_of(const htree_box *box) {
+    const ht_box4 of = {ht_f4_set(box->lo[0], box->lo[1], box->lo[2], 0),
+                        ht_f4_set(box->hi[0], box->hi[1], box->hi[2], 0)};
+    return of;
+}
+
+/* Half the surface area: the bits of ht_box_area. */
+HT_INLINE float ht_box4_area(const ht_box4 *box) {
+    const ht_f4 x = ht_f4_max(ht_f4_all(0), ht_f4_sub(box->hi, box->lo));
+    const ht_f4 y = ht_f4_rotate(x), z = ht_f4_rotate(y);
+    return ht_f4_first(ht_f4_add(ht_f4_mul(x, ht_f4_add(y, z)), ht_f4_mul(y, z)));
 }
 
 HT_INLINE htree_box ht_box4_box(const ht_box4 *box) {

@@ -36,7 +36,7 @@ static void give_back(ht_memory *memory, void *block, uint64_t bytes) {
 /* ---- Recycling ------------------------------------------------------------------------------ */
 
 enum {
-    KEPT_BLOCKS = 64,
+    KEPT_BLOCKS = 320,   /* 64 parts of a tree keep four each */
     LEAST_KEPT = 1 << 14 /* bytes: smaller blocks are cheap */
 };
 
@@ -47,7 +47,8 @@ typedef struct kept_block {
 } kept_block;
 
 struct ht_recycler {
-    uint32_t locked; /* for some dozen comparisons */
+    uint32_t locked; /* for some hundred comparisons */
+    uint32_t rows;   /* those behind were never used */
     kept_block row[KEPT_BLOCKS];
 };
 
@@ -60,10 +61,10 @@ static void unlock(ht_recycler *r) {
     __atomic_store_n(&r->locked, 0, __ATOMIC_RELEASE);
 }
 
-/* The row of a block, or a free one for NULL; KEPT_BLOCKS if there is none. */
+/* The row of a block, or the first free one for NULL; r->rows if there is none. */
 static uint32_t find_row(const ht_recycler *r, const void *block) {
     uint32_t i = 0;
-    while (i < KEPT_BLOCKS && r->row[i].block != block) ++i;
+    while (i < r->rows && r->row[i].block != block) ++i;
     return i;
 }
 
@@ -71,7 +72,7 @@ static uint32_t find_row(const ht_recycler *r, const void *block) {
 static void *reuse(ht_recycler *r, uint64_t bytes) {
     kept_block *best = NULL;
     lock(r);
-    for (uint32_t i = 0; i < KEPT_BLOCKS; ++i) {
+    for (uint32_t i = 0; i < r->rows; ++i) {
         kept_block *row = &r->row[i];
         if (!row->block || row->in_use || row->bytes < bytes || row->bytes / 2 > bytes) continue;
         if (!best || row->bytes < best->bytes) best = row;
@@ -85,15 +86,17 @@ static void *reuse(ht_recycler *r, uint64_t bytes) {
 static bool keep(ht_recycler *r, void *block, uint64_t bytes) {
     lock(r);
     uint32_t i = find_row(r, block);
-    if (i < KEPT_BLOCKS) {
+    if (i < r->rows) {
         r->row[i].in_use = false; /* its size stays: it may have been used in part */
     } else {
         const kept_block row = {block, bytes, false, true};
         i = find_row(r, NULL);
-        if (i < KEPT_BLOCKS) r->row[i] = row;
+        if (i == r->rows && i < KEPT_BLOCKS) ++r->rows;
+        if (i < r->rows) r->row[i] = row;
     }
+    const bool kept = i < r->rows;
     unlock(r);
-    return i < KEPT_BLOCKS;
+    return kept;
 }
 
 ht_recycler *ht_recycler_begin(ht_memory *memory) {
@@ -107,7 +110,7 @@ ht_recycler *ht_recycler_begin(ht_memory *memory) {
 void ht_recycler_tidy(ht_memory *memory) {
     ht_recycler *r = memory->recycler;
     lock(r);
-    for (uint32_t i = 0; i < KEPT_BLOCKS; ++i) {
+    for (uint32_t i = 0; i < r->rows; ++i) {
         kept_block *row = &r->row[i];
         if (row->block && !row->in_use && !row->used) {
             give_back(memory, row->block, row->bytes);

@@ -4,6 +4,7 @@
 #include "tasks.h"
 
 #ifndef HTREE_NO_THREADS
+#include <sched.h>
 #include <unistd.h>
 #endif
 
@@ -37,10 +38,11 @@ static void end_threads(ht_team *team) {
 
 #else
 
-static const uint32_t OPEN = UINT32_C(1) << 31;
+static const uint32_t OPEN = UINT32_C(1) << 31, ENDED = UINT32_C(1) << 30;
 
-/* The next loop of a build comes soon: asking for some microseconds is cheaper than to sleep. */
-enum { PATIENCE = 4000 };
+/* The next loop of a build comes soon: to ask again and again is cheaper than to sleep. In between
+ * the core goes to whoever waits for it, which may be the very thread that is waited for. */
+enum { PATIENCE = 300, BREATHS = 64 };
 
 uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
     if (threads == 0 || (hook && hook->run)) {
@@ -52,29 +54,28 @@ uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
 
 static void breathe(void) {
 #if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
+    for (uint32_t i = 0; i < BREATHS; ++i) __builtin_ia32_pause();
 #endif
+    sched_yield();
 }
 
 /* ---- The helpers' side ---------------------------------------------------------------------- */
 
-static bool is_open(const ht_team *team) {
-    return (__atomic_load_n(&team->door, __ATOMIC_ACQUIRE) & OPEN) != 0;
+static uint32_t look(const ht_team *team) {
+    return __atomic_load_n(&team->door, __ATOMIC_ACQUIRE);
 }
 
 /* Waits until the door is open; returns false once the team has ended. */
 static bool wait_at_door(ht_team *team) {
-    for (uint32_t i = 0; i < PATIENCE; ++i) {
-        if (is_open(team)) return true;
-        breathe();
+    for (uint32_t i = 0; i < PATIENCE && !(look(team) & (OPEN | ENDED)); ++i) breathe();
+    if (!(look(team) & (OPEN | ENDED))) {
+        pthread_mutex_lock(&team->lock);
+        ++team->asleep;
+        while (!(look(team) & (OPEN | ENDED))) pthread_cond_wait(&team->changed, &team->lock);
+        --team->asleep;
+        pthread_mutex_unlock(&team->lock);
     }
-    pthread_mutex_lock(&team->lock);
-    ++team->asleep;
-    while (!team->ended && !is_open(team)) pthread_cond_wait(&team->opened, &team->lock);
-    --team->asleep;
-    const bool ended = team->ended;
-    pthread_mutex_unlock(&team->lock);
-    return !ended;
+    return !(look(team) & ENDED);
 }
 
 static bool enter(ht_team *team) {
@@ -87,7 +88,9 @@ static bool enter(ht_team *team) {
     return false;
 }
 
+/* Who finds no more work closes the door, lest helpers come back until the last one has finished. */
 static void leave(ht_team *team) {
+    __atomic_and_fetch(&team->door, ~OPEN, __ATOMIC_RELAXED);
     if (__atomic_sub_fetch(&team->door, 1, __ATOMIC_ACQ_REL) != 0) return;
     pthread_mutex_lock(&team->lock);
     pthread_cond_signal(&team->emptied);
@@ -106,10 +109,10 @@ static void *help(void *argument) {
 
 /* ---- The caller's side ---------------------------------------------------------------------- */
 
-static void open_door(ht_team *team) {
+static void set_door(ht_team *team, uint32_t door) {
     pthread_mutex_lock(&team->lock);
-    __atomic_store_n(&team->door, OPEN, __ATOMIC_RELEASE);
-    if (team->asleep > 0) pthread_cond_broadcast(&team->opened);
+    __atomic_store_n(&team->door, door, __ATOMIC_RELEASE);
+    if (team->asleep > 0) pthread_cond_broadcast(&team->changed);
     pthread_mutex_unlock(&team->lock);
 }
 
@@ -126,18 +129,15 @@ static void start_helpers(ht_team *team) {
 
 static void close_door(ht_team *team) {
     if (__atomic_and_fetch(&team->door, ~OPEN, __ATOMIC_ACQ_REL) == 0) return;
-    for (uint32_t i = 0; i < PATIENCE; ++i) {
-        if (__atomic_load_n(&team->door, __ATOMIC_ACQUIRE) == 0) return;
-        breathe();
-    }
+    for (uint32_t i = 0; i < PATIENCE && look(team) != 0; ++i) breathe();
+    if (look(team) == 0) return;
     pthread_mutex_lock(&team->lock);
-    while (__atomic_load_n(&team->door, __ATOMIC_ACQUIRE) != 0)
-        pthread_cond_wait(&team->emptied, &team->lock);
+    while (look(team) != 0) pthread_cond_wait(&team->emptied, &team->lock);
     pthread_mutex_unlock(&team->lock);
 }
 
 static void run_threaded(ht_team *team) {
-    open_door(team);
+    set_door(team, OPEN);
     start_helpers(team);
     loop_run(&team->loop);
     close_door(team);
@@ -145,20 +145,16 @@ static void run_threaded(ht_team *team) {
 
 static void begin_threads(ht_team *team) {
     team->door = team->asleep = 0;
-    team->ended = false;
     pthread_mutex_init(&team->lock, NULL);
-    pthread_cond_init(&team->opened, NULL);
+    pthread_cond_init(&team->changed, NULL);
     pthread_cond_init(&team->emptied, NULL);
 }
 
 static void end_threads(ht_team *team) {
-    pthread_mutex_lock(&team->lock);
-    team->ended = true;
-    pthread_cond_broadcast(&team->opened);
-    pthread_mutex_unlock(&team->lock);
+    set_door(team, ENDED);
     while (team->helpers > 0) pthread_join(team->helper[--team->helpers], NULL);
     pthread_cond_destroy(&team->emptied);
-    pthread_cond_destroy(&team->opened);
+    pthread_cond_destroy(&team->changed);
     pthread_mutex_destroy(&team->lock);
 }
 

@@ -28,11 +28,10 @@ typedef struct ht_team {
     uint32_t helpers; /* started so far */
     ht_loop loop;
 #ifndef HTREE_NO_THREADS
-    uint32_t door; /* OPEN while the loop may be entered | helpers inside */
-    bool ended;
-    uint32_t asleep; /* helpers that wait for `opened` */
+    uint32_t door;   /* OPEN while the loop may be entered, or ENDED | helpers inside */
+    uint32_t asleep; /* helpers that wait until it has changed */
     pthread_mutex_t lock;
-    pthread_cond_t opened, emptied;
+    pthread_cond_t changed, emptied;
     pthread_t helper[HT_MOST_THREADS - 1];
 #endif
 } ht_team;

@@ -53,7 +53,8 @@ static bool levels_run_out(uint32_t level, uint32_t count) {
 /* Section 6 for a set of prims, which may be permuted. */
 static htree_status build_h_tree(ah_build *build, ht_prim *prims, uint32_t count,
                                  const htree_box *traversal, uint32_t level, htree_box *exact) {
-    *exact = ht_prims_box(prims, count);
+    const ht_box4 tight = ht_prims_box(prims, count);
+    *exact = ht_box4_box(&tight);
     const ht_stack_mark mark = ht_stack_top(&build->scratch);
     ht_prim *spare = (ht_prim *)ht_stack_push(&build->scratch, count * sizeof(ht_prim));
     if (!spare) return HTREE_ERROR_MEMORY;

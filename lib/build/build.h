@@ -23,15 +23,16 @@ HT_INLINE ht_box4 ht_prim_box4(const ht_prim *prim) {
     return box;
 }
 
-HT_INLINE void ht_prim_set_id(ht_prim *prim, uint32_t id) {
-    memcpy(&prim->lo[3], &id, sizeof id);
-    prim->hi[3] = 0;
+/* Whole lanes are stored at once: who reads them back at once would wait for a word of them. */
+HT_INLINE void ht_prim_set(ht_prim *prim, const ht_box4 *box, uint32_t id) {
+    ht_f4_store(prim->lo, ht_f4_with_bits(box->lo, id));
+    ht_f4_store(prim->hi, ht_f4_with_bits(box->hi, 0));
 }
 
 /* A cell of prims is a prim to those who split: its box, where its prims begin, and how many. */
-HT_INLINE void ht_cell_set_range(ht_prim *cell, uint32_t first, uint32_t prims) {
-    memcpy(&cell->lo[3], &first, sizeof first);
-    memcpy(&cell->hi[3], &prims, sizeof prims);
+HT_INLINE void ht_cell_set(ht_prim *cell, const ht_box4 *box, uint32_t first, uint32_t prims) {
+    ht_f4_store(cell->lo, ht_f4_with_bits(box->lo, first));
+    ht_f4_store(cell->hi, ht_f4_with_bits(box->hi, prims));
 }
 
 HT_INLINE uint32_t ht_cell_first(const ht_prim *cell) {

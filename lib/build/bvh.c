@@ -38,8 +38,9 @@ static htree_status subtree(bvh_build *build, uint32_t slot, uint32_t below, uin
     node->child = below;
     node->tag = split.axis;
     const uint32_t left = split.left_count;
-    HT_TRY(subtree(build, below, below + 2, first, left, &split.left, level + 1));
-    return subtree(build, below + 1, below + 2 * left, first + left, count - left, &split.right,
+    const htree_box left_box = ht_box4_box(&split.left), right_box = ht_box4_box(&split.right);
+    HT_TRY(subtree(build, below, below + 2, first, left, &left_box, level + 1));
+    return subtree(build, below + 1, below + 2 * left, first + left, count - left, &right_box,
                    level + 1);
 }
 

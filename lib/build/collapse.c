@@ -125,8 +125,9 @@ static htree_status add_node(collapsing *c, const ht_place *place, uint32_t leve
     ht_wide_run runs[HT_LANES];
     uint32_t lane[HT_LANES];
     const uint32_t count = open_places(c, place, level, places);
-    for (uint32_t i = 0; i < count; ++i) runs[i].box = c->subtrees[places[i].slot].box;
-    HT_TRY(ht_wide_write_node(&c->part, runs, count, &c->subtrees[place->slot].box, lane, slot));
+    for (uint32_t i = 0; i < count; ++i) runs[i].box = ht_box4_of(&c->subtrees[places[i].slot].box);
+    const ht_box4 box = ht_box4_of(&c->subtrees[place->slot].box);
+    HT_TRY(ht_wide_write_node(&c->part, runs, count, &box, lane, slot));
     waiting += count - 1;
     if (waiting > c->part.deepest) c->part.deepest = waiting;
     for (uint32_t i = 0; i < count; ++i) {

@@ -77,20 +77,21 @@ htree_status ht_h_subtree(ht_h_writer *writer, ht_prim *prims, ht_prim *spare, u
     ht_split_find(options, prims, count, &rule, &split);
     ht_split_apply(&split, prims, spare, count);
     const uint32_t axis = split.axis, left = split.left_count;
+    const htree_box left_tight = ht_box4_box(&split.left), right_tight = ht_box4_box(&split.right);
     if (writer->bounding) {
-        const float skd_cost = ht_cost_skd(options, &box, axis, split.left.hi[axis],
-                                           split.right.lo[axis], left, count - left);
+        const float skd_cost = ht_cost_skd(options, &box, axis, left_tight.hi[axis],
+                                           right_tight.lo[axis], left, count - left);
         HT_TRY(ht_h_maybe_bound(writer, skd_cost, tight, count, &box, &bound));
     }
     HT_TRY(ht_h_write_skd(writer, axis, &slot));
     ht_h_node *node = ht_h_node_at(writer, slot);
-    node->a = split.left.hi[axis];
-    node->b = split.right.lo[axis];
-    const htree_box left_box = ht_cut_above(&box, axis, split.left.hi[axis]);
-    HT_TRY(ht_h_subtree(writer, prims, spare, left, &split.left, &left_box, level + 1));
+    node->a = left_tight.hi[axis];
+    node->b = right_tight.lo[axis];
+    const htree_box left_box = ht_cut_above(&box, axis, left_tight.hi[axis]);
+    HT_TRY(ht_h_subtree(writer, prims, spare, left, &left_tight, &left_box, level + 1));
     ht_h_node_at(writer, slot)->child = writer->used;
-    const htree_box right_box = ht_cut_below(&box, axis, split.right.lo[axis]);
-    return ht_h_subtree(writer, prims + left, spare, count - left, &split.right, &right_box,
+    const htree_box right_box = ht_cut_below(&box, axis, right_tight.lo[axis]);
+    return ht_h_subtree(writer, prims + left, spare, count - left, &right_tight, &right_box,
                         level + 1);
 }
 

@@ -63,9 +63,9 @@ ht_source ht_source_of(const htree_mesh *mesh) {
     return source;
 }
 
-bool ht_corners_are_degenerate(const ht_corners *corners) {
+bool ht_corners_are_degenerate(ht_corners corners) {
     float v[3][4];
-    for (int k = 0; k < 3; ++k) ht_f4_store(v[k], corners->v[k]);
+    for (int k = 0; k < 3; ++k) ht_f4_store(v[k], corners.v[k]);
     return ht_triangle_is_degenerate(v[0], v[1], v[2]);
 }
 
@@ -117,9 +117,7 @@ HT_INLINE bool load_triangle(const loading *l, chunk *c, uint32_t i) {
     if (verdict == HT_HITTABLE) {
         ht_prim *prim = &l->builder->prims[c->first + c->prims++];
         const ht_box4 box = ht_corners_box(&corners);
-        ht_f4_store(prim->lo, box.lo);
-        ht_f4_store(prim->hi, box.hi);
-        ht_prim_set_id(prim, i);
+        ht_prim_set(prim, &box, i);
         ht_box4_add(&c->bounds, box.lo, box.hi);
         for (int k = 0; k < 3; ++k) {
             float v[4];
@@ -193,7 +191,8 @@ static htree_status load_objects(ht_builder *builder) {
     for (uint32_t i = 0; i < tree->object_count; ++i) {
         const uint32_t id = tree->triangle_count + i;
         if (ht_box_is_valid(&tree->object_boxes[i])) {
-            ht_source_prim(&source, id, &builder->prims[tree->prim_count++]);
+            const ht_box4 box = ht_box4_of(&tree->object_boxes[i]);
+            ht_prim_set(&builder->prims[tree->prim_count++], &box, id);
             ht_box_add(&tree->bounds, &tree->object_boxes[i]);
         } else if (builder->options->flags & HTREE_STRICT) {
             return ht_refuse_prim(&source, id, false);

@@ -5,7 +5,7 @@
 #include "build.h"
 
 /* B^E: the box of the prims; and that of their centroids, doubled as in ht_prim. */
-htree_box ht_prims_box(const ht_prim *prims, uint32_t count);
+ht_box4 ht_prims_box(const ht_prim *prims, uint32_t count);
 htree_box ht_centroid_bounds(const ht_prim *prims, uint32_t count);
 
 /* The levels that a binary tree over so many prims has at least. */

@@ -29,29 +29,48 @@ HT_INLINE uint64_t ht_source_vertex(const ht_source *source, uint32_t i, uint32_
     return source->indices ? source->indices[at] : at;
 }
 
-/* Reads four floats at once where another vertex follows, three at the end of the array. */
-HT_INLINE ht_f4 ht_source_position(const ht_source *source, uint64_t vertex) {
-    const char *const position = source->positions + vertex * source->stride;
-    if (HT_UNLIKELY(vertex + 1 == source->vertex_count)) {
-        float last[4] = {0, 0, 0, 0};
-        memcpy(last, position, 12);
-        return ht_f4_load(last);
+/* The largest of the three. */
+HT_INLINE uint64_t ht_source_last_vertex(const ht_source *source, uint32_t i) {
+    uint64_t last = ht_source_vertex(source, i, 0);
+    for (uint32_t k = 1; k < 3; ++k) {
+        const uint64_t vertex = ht_source_vertex(source, i, k);
+        last = vertex > last ? vertex : last;
     }
-    return ht_f4_load((const float *)(const void *)position);
+    return last;
+}
+
+HT_INLINE bool ht_source_has_corners(const ht_source *source, uint32_t i) {
+    return ht_source_last_vertex(source, i) < source->vertex_count;
+}
+
+/* Three floats, wherever they are; and four, where another vertex follows. */
+HT_INLINE ht_f4 ht_source_position(const ht_source *source, uint64_t vertex) {
+    float position[4] = {0, 0, 0, 0};
+    memcpy(position, source->positions + vertex * source->stride, 12);
+    return ht_f4_load(position);
+}
+
+HT_INLINE ht_f4 ht_source_position4(const ht_source *source, uint64_t vertex) {
+    return ht_f4_load((const float *)(const void *)(source->positions + vertex * source->stride));
 }
 
 /* Of a triangle whose vertices are known to be there. */
 HT_INLINE ht_corners ht_source_corners(const ht_source *source, uint32_t i) {
     ht_corners corners;
+    if (HT_UNLIKELY(ht_source_last_vertex(source, i) + 1 == source->vertex_count)) {
+        for (uint32_t k = 0; k < 3; ++k)
+            corners.v[k] = ht_source_position(source, ht_source_vertex(source, i, k));
+        return corners;
+    }
     for (uint32_t k = 0; k < 3; ++k)
-        corners.v[k] = ht_source_position(source, ht_source_vertex(source, i, k));
+        corners.v[k] = ht_source_position4(source, ht_source_vertex(source, i, k));
     return corners;
 }
 
-HT_INLINE bool ht_source_has_corners(const ht_source *source, uint32_t i) {
-    bool all = true;
-    for (uint32_t k = 0; k < 3; ++k) all &= ht_source_vertex(source, i, k) < source->vertex_count;
-    return all;
+HT_INLINE ht_corners ht_no_corners(void) {
+    const ht_f4 zero = ht_f4_all(0);
+    const ht_corners none = {{zero, zero, zero}};
+    return none;
 }
 
 HT_INLINE ht_box4 ht_corners_box(const ht_corners *c) {
@@ -89,27 +108,25 @@ HT_INLINE bool ht_corners_have_area(const ht_corners *c) {
 }
 
 /* mesh.c: the same beyond doubt. */
-bool ht_corners_are_degenerate(const ht_corners *corners);
+bool ht_corners_are_degenerate(ht_corners corners);
 
-HT_INLINE ht_verdict ht_corners_judge(const ht_corners *c) {
-    if (HT_UNLIKELY(!ht_corners_are_in_range(c))) return HT_INVALID;
-    if (HT_UNLIKELY(!ht_corners_have_area(c)) && ht_corners_are_degenerate(c)) return HT_DEGENERATE;
+/* Of corners in range. */
+HT_INLINE ht_verdict ht_corners_judge_area(const ht_corners *c) {
+    if (HT_UNLIKELY(!ht_corners_have_area(c)) && ht_corners_are_degenerate(*c))
+        return HT_DEGENERATE;
     return HT_HITTABLE;
 }
 
-/* Reads the box of a prim that can be hit, and its id. */
-HT_INLINE void ht_source_prim(const ht_source *source, uint32_t id, ht_prim *prim) {
-    if (id < source->triangle_count) {
-        const ht_corners corners = ht_source_corners(source, id);
-        const ht_box4 box = ht_corners_box(&corners);
-        ht_f4_store(prim->lo, box.lo);
-        ht_f4_store(prim->hi, box.hi);
-    } else {
-        const htree_box *box = &source->boxes[id - source->triangle_count];
-        memcpy(prim->lo, box->lo, sizeof box->lo);
-        memcpy(prim->hi, box->hi, sizeof box->hi);
-    }
-    ht_prim_set_id(prim, id);
+HT_INLINE ht_verdict ht_corners_judge(const ht_corners *c) {
+    return HT_UNLIKELY(!ht_corners_are_in_range(c)) ? HT_INVALID : ht_corners_judge_area(c);
+}
+
+/* The box of a prim that can be hit. */
+HT_INLINE ht_box4 ht_source_box(const ht_source *source, uint32_t id) {
+    if (id >= source->triangle_count)
+        return ht_box4_of(&source->boxes[id - source->triangle_count]);
+    const ht_corners corners = ht_source_corners(source, id);
+    return ht_corners_box(&corners);
 }
 
 #endif

@@ -73,15 +73,14 @@ static void bucket_merge(bucket *b, const bucket *other) {
     b->prims += other->prims;
 }
 
-static htree_box merged_box(const bucket *buckets, uint32_t count) {
-    bucket all = buckets[0];
-    for (uint32_t b = 1; b < count; ++b) bucket_merge(&all, &buckets[b]);
-    return ht_box4_box(&all.box);
+static ht_box4 merged_box(const bucket *buckets, uint32_t count) {
+    ht_box4 all = buckets[0].box;
+    for (uint32_t b = 1; b < count; ++b) ht_box4_add(&all, buckets[b].box.lo, buckets[b].box.hi);
+    return all;
 }
 
 static double bucket_area(const bucket *b) {
-    const htree_box box = ht_box4_box(&b->box);
-    return (double)ht_box_area(&box);
+    return (double)ht_box4_area(&b->box);
 }
 
 /* Leaves that so many prims fill: what eq. 1 counts. */
@@ -236,8 +235,8 @@ static bool try_middle(const ht_prim *prims, uint32_t count, uint32_t axis, floa
     if (!(hi > lo && split->scale <= 1e37f)) return false;
     fill_with_prims(split, prims, count, buckets);
     split->left_count = buckets[0].count;
-    split->left = ht_box4_box(&buckets[0].box);
-    split->right = ht_box4_box(&buckets[1].box);
+    split->left = buckets[0].box;
+    split->right = buckets[1].box;
     return buckets[0].count > 0 && buckets[1].count > 0;
 }
 

@@ -13,7 +13,7 @@ typedef struct ht_split {
     float origin, scale;             /* bucket(c) = (c - origin) * scale */
     uint32_t buckets;                /* M */
     uint32_t left_count, left_prims; /* the same, but for cells */
-    htree_box left, right;           /* tight boxes A_L and A_R of both sides */
+    ht_box4 left, right;             /* tight boxes A_L and A_R of both sides */
 } ht_split;
 
 /* How to split. */

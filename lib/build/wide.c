@@ -50,13 +50,11 @@ htree_status ht_build_wide(ht_builder *builder) {
     build.cells.order = (uint32_t *)ht_allocate(memory, prims * sizeof *build.cells.order);
     build.cells.leaf_order = (uint32_t *)ht_allocate(memory, prims * sizeof *build.cells.order);
     ht_array_begin(&build.cells.cells, memory, sizeof(ht_prim));
-    ht_array_begin(&build.top.errands, memory, sizeof(ht_wide_errand));
-    ht_wide_part_begin(&build.top.part, memory);
+    ht_wide_top_begin(&build.top, memory);
     /* Half of the time for the scan and the sort, half for errands. */
     ht_progress_begin(&builder->progress, &builder->options->progress, 2 * prims);
     const htree_status status = run_build(&build);
-    ht_wide_part_end(&build.top.part);
-    ht_array_end(&build.top.errands);
+    ht_wide_top_end(&build.top);
     ht_array_end(&build.cells.cells);
     ht_release(memory, build.cells.leaf_order, prims * sizeof *build.cells.order);
     ht_release(memory, build.cells.order, prims * sizeof *build.cells.order);

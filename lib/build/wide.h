@@ -56,7 +56,7 @@ typedef struct ht_wide_run {
     ht_prim *items;
     uint32_t count;
     uint32_t prims; /* count, or what the cells hold */
-    htree_box box;
+    ht_box4 box;
 } ht_wide_run;
 
 /* Splits a run into at most eight; returns how many. With `scarce` each split is in the middle, so
@@ -81,9 +81,9 @@ void ht_wide_part_end(ht_wide_part *part);
 
 /* wide_nodes.c: a node over runs, its children still to come: run i belongs into lane[i]. */
 void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
-                       const htree_box *box, uint32_t lane[HT_LANES]);
+                       const ht_box4 *box, uint32_t lane[HT_LANES]);
 htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
-                                const htree_box *box, uint32_t lane[HT_LANES], uint32_t *slot);
+                                const ht_box4 *box, uint32_t lane[HT_LANES], uint32_t *slot);
 
 HT_INLINE void ht_wide_set_child(ht_wide_part *part, uint32_t slot, uint32_t lane, uint32_t child) {
     ((ht_wide_node *)ht_array_at(&part->nodes, slot))->child[lane] = child;
@@ -95,6 +95,9 @@ htree_status ht_wide_add_leaf(ht_wide_part *part, uint32_t first, uint32_t count
 /* A leaf of at most HT_LANES prims; user objects come last. Returns their box. */
 ht_box4 ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
                            ht_wide_leaf *leaf);
+
+/* The corners of a leaf's triangles, zero where a lane is idle. */
+void ht_wide_write_corners(const ht_corners corners[HT_LANES], ht_wide_leaf *leaf);
 
 /* ---- Errands -------------------------------------------------------------------------------- */
 
@@ -111,8 +114,11 @@ typedef struct ht_wide_errand {
 typedef struct ht_wide_top {
     ht_wide_part part;
     ht_array errands; /* of ht_wide_errand */
-    uint32_t prims;   /* of the errands so far */
 } ht_wide_top;
+
+/* wide_top.c */
+void ht_wide_top_begin(ht_wide_top *top, ht_memory *memory);
+void ht_wide_top_end(ht_wide_top *top);
 
 /* ---- The build ------------------------------------------------------------------------------ */
 

@@ -43,9 +43,18 @@ void ht_wide_grid_cut(ht_wide_grid *grid, const htree_box *centroids, uint32_t c
 
 /* ---- One crowded cell ----------------------------------------------------------------------- */
 
+/* A cell to be refined, and how often its cells may be. */
+typedef struct crowd {
+    uint32_t first, prims, levels;
+} crowd;
+
 /* Crowded cells in a row, refined by one thread. */
 typedef struct group {
     uint32_t first, end; /* of the list of crowded cells */
+    ht_prim *prims;      /* of the cell at hand */
+    uint32_t *next;      /* by cell: how many prims, then where the next one goes */
+    ht_box4 *boxes;      /* by cell */
+    ht_array todo;       /* a stack of crowds */
     ht_array fine;       /* what they became */
     htree_status status;
 } group;
@@ -59,136 +68,135 @@ typedef struct refining {
     uint32_t group_count;
 } refining;
 
-/* Memory of a group for its largest cell. */
-typedef struct bench {
-    ht_prim *prims;
-    uint32_t *next;
-    ht_box4 *boxes;
-} bench;
-
-static void sort_range(const refining *r, const ht_wide_grid *grid, uint32_t first, uint32_t count,
-                       bench *b) {
-    uint32_t *order = r->cells->order + first, *cell_of = r->cells->leaf_order + first;
-    memset(b->next, 0, grid->total * sizeof *b->next);
-    for (uint32_t i = 0; i < grid->total; ++i) b->boxes[i] = ht_box4_empty();
+/* Reads the prims of a cell; returns the box of their centroids. */
+static htree_box gather(const refining *r, group *g, uint32_t first, uint32_t count) {
+    const ht_source source = *r->source; /* which no store can change */
+    const uint32_t *ids = r->cells->order + first;
+    ht_box4 centroids = ht_box4_empty();
     for (uint32_t i = 0; i < count; ++i) {
-        const ht_box4 box = ht_prim_box4(&b->prims[i]);
-        const uint32_t cell = ht_wide_grid_cell(grid, box.lo, box.hi);
-        cell_of[i] = cell;
-        ++b->next[cell];
-        ht_box4_add(&b->boxes[cell], box.lo, box.hi);
+        const ht_box4 box = ht_source_box(&source, ids[i]);
+        ht_prim_set(&g->prims[i], &box, ids[i]);
+        const ht_f4 c = ht_f4_add(box.lo, box.hi);
+        ht_box4_add(&centroids, c, c);
     }
-    uint32_t place = 0;
-    for (uint32_t i = 0; i < grid->total; ++i) {
-        const uint32_t here = b->next[i];
-        b->next[i] = place;
-        place += here;
-    }
-    for (uint32_t i = 0; i < count; ++i) order[b->next[cell_of[i]]++] = ht_prim_id(&b->prims[i]);
+    return ht_box4_box(&centroids);
 }
 
-/* Sorts the prims of a cell into finer cells and lists them; those that are crowded still go to the
- * end of `fine` again, unless the grid did not separate them. */
-static htree_status refine_cell(const refining *r, const ht_prim *cell, bench *b, ht_array *fine) {
-    const uint32_t first = ht_cell_first(cell), count = ht_cell_prims(cell);
-    ht_wide_grid grid;
-    for (uint32_t i = 0; i < count; ++i)
-        ht_source_prim(r->source, r->cells->order[first + i], &b->prims[i]);
-    const htree_box centroids = ht_centroid_bounds(b->prims, count);
-    const double wanted = (double)count / PRIMS_A_CELL;
-    ht_wide_grid_shape(&grid, &centroids, wanted < MOST_CELLS ? wanted : MOST_CELLS);
-    sort_range(r, &grid, first, count, b);
+/* Sorts ids by cell: next[c] becomes the end of cell c. */
+static void sort_range(const refining *r, group *g, const ht_wide_grid *given, uint32_t first,
+                       uint32_t count) {
+    const ht_wide_grid grid = *given; /* which no store can change */
+    uint32_t *order = r->cells->order + first, *cell_of = r->cells->leaf_order + first;
+    memset(g->next, 0, grid.total * sizeof *g->next);
+    for (uint32_t i = 0; i < grid.total; ++i) g->boxes[i] = ht_box4_empty();
+    for (uint32_t i = 0; i < count; ++i) {
+        const ht_box4 box = ht_prim_box4(&g->prims[i]);
+        const uint32_t cell = ht_wide_grid_cell(&grid, box.lo, box.hi);
+        cell_of[i] = cell;
+        ++g->next[cell];
+        ht_box4_add(&g->boxes[cell], box.lo, box.hi);
+    }
     uint32_t place = 0;
     for (uint32_t i = 0; i < grid.total; ++i) {
-        if (b->next[i] == place) continue;
-        ht_prim *listed = (ht_prim *)ht_array_add(fine);
-        if (!listed) return HTREE_ERROR_MEMORY;
-        ht_f4_store(listed->lo, b->boxes[i].lo);
-        ht_f4_store(listed->hi, b->boxes[i].hi);
-        ht_cell_set_range(listed, first + place, b->next[i] - place);
-        place = b->next[i];
+        const uint32_t here = g->next[i];
+        g->next[i] = place;
+        place += here;
     }
+    for (uint32_t i = 0; i < count; ++i) order[g->next[cell_of[i]]++] = ht_prim_id(&g->prims[i]);
+}
+
+static htree_status list_cell(ht_array *fine, const ht_box4 *box, uint32_t first, uint32_t prims) {
+    ht_prim *listed = (ht_prim *)ht_array_add(fine);
+    if (!listed) return HTREE_ERROR_MEMORY;
+    ht_cell_set(listed, box, first, prims);
     return HTREE_OK;
 }
 
-/* A grid that leaves nearly all of a cell together did not pay, and its next one would not either:
- * such cells stay as they are. */
-static bool is_worth_refining(const ht_prim *cell, uint32_t parent_prims) {
-    const uint32_t prims = ht_cell_prims(cell);
-    return prims > HT_WIDE_CELL_PRIMS && prims <= parent_prims / 8 * 7;
-}
-
 /* Cuts a cell that no grid separates into pieces, in the order of its prims. */
-static htree_status add_pieces(const refining *r, const ht_prim *cell, ht_array *fine) {
-    const uint32_t first = ht_cell_first(cell), prims = ht_cell_prims(cell);
+static htree_status list_pieces(const refining *r, group *g, uint32_t first, uint32_t prims) {
     const uint32_t pieces = (prims + HT_WIDE_CELL_PRIMS - 1) / HT_WIDE_CELL_PRIMS;
     for (uint32_t i = 0; i < pieces; ++i) {
         const uint32_t start = (uint32_t)((uint64_t)prims * i / pieces);
         const uint32_t end = (uint32_t)((uint64_t)prims * (i + 1) / pieces);
-        ht_box4 box = ht_prim_box4(cell);
-        for (uint32_t k = start; k < end && pieces > 1; ++k) {
-            ht_prim prim;
-            ht_source_prim(r->source, r->cells->order[first + k], &prim);
-            if (k == start) box = ht_prim_box4(&prim);
-            ht_box4_add(&box, ht_f4_load(prim.lo), ht_f4_load(prim.hi));
+        ht_box4 box = ht_box4_empty();
+        for (uint32_t k = start; k < end; ++k) {
+            const ht_box4 one = ht_source_box(r->source, r->cells->order[first + k]);
+            ht_box4_add(&box, one.lo, one.hi);
         }
-        ht_prim *listed = (ht_prim *)ht_array_add(fine);
-        if (!listed) return HTREE_ERROR_MEMORY;
-        ht_f4_store(listed->lo, box.lo);
-        ht_f4_store(listed->hi, box.hi);
-        ht_cell_set_range(listed, first + start, end - start);
+        HT_TRY(list_cell(&g->fine, &box, first + start, end - start));
     }
     return HTREE_OK;
 }
 
-/* Refines a cell, and what is still crowded afterwards, in place of it in the list. */
-static htree_status refine_deeply(const refining *r, const ht_prim *cell, bench *b, ht_array *fine,
-                                  uint32_t levels) {
-    ht_array here;
-    ht_array_begin(&here, fine->memory, sizeof(ht_prim));
-    htree_status status = refine_cell(r, cell, b, &here);
-    for (uint64_t i = 0; i < here.count && status == HTREE_OK; ++i) {
-        const ht_prim *sub = (const ht_prim *)ht_array_at(&here, i);
-        status = levels > 0 && is_worth_refining(sub, ht_cell_prims(cell))
-                     ? refine_deeply(r, sub, b, fine, levels - 1)
-                     : add_pieces(r, sub, fine);
+static htree_status list_crowd(group *g, uint32_t first, uint32_t prims, uint32_t levels) {
+    crowd *c = (crowd *)ht_array_add(&g->todo);
+    if (!c) return HTREE_ERROR_MEMORY;
+    c->first = first;
+    c->prims = prims;
+    c->levels = levels;
+    return HTREE_OK;
+}
+
+/* Sorts the prims of a cell into finer cells and lists them. A grid that leaves nearly all of a
+ * cell together did not pay, and its next one would not either: such cells are cut to pieces. */
+static htree_status refine_cell(const refining *r, group *g, const crowd *c) {
+    const uint32_t first = c->first, count = c->prims;
+    const double wanted = (double)count / PRIMS_A_CELL;
+    const htree_box centroids = gather(r, g, first, count);
+    ht_wide_grid grid;
+    ht_wide_grid_shape(&grid, &centroids, wanted < MOST_CELLS ? wanted : MOST_CELLS);
+    sort_range(r, g, &grid, first, count);
+    uint32_t place = 0;
+    for (uint32_t i = 0; i < grid.total; ++i) {
+        const uint32_t start = first + place, prims = g->next[i] - place;
+        place = g->next[i];
+        if (prims == 0) continue;
+        if (prims <= HT_WIDE_CELL_PRIMS)
+            HT_TRY(list_cell(&g->fine, &g->boxes[i], start, prims));
+        else if (c->levels > 0 && prims <= count / 8 * 7)
+            HT_TRY(list_crowd(g, start, prims, c->levels - 1));
+        else
+            HT_TRY(list_pieces(r, g, start, prims));
     }
-    ht_array_end(&here);
-    return status;
+    return HTREE_OK;
 }
 
 /* ---- All of them ---------------------------------------------------------------------------- */
 
 enum { LEVELS = 8 };
 
-static htree_status refine_on(const refining *r, group *g, bench *b) {
-    if (!b->prims || !b->next || !b->boxes) return HTREE_ERROR_MEMORY;
+static htree_status refine_cells(const refining *r, group *g) {
+    if (!g->prims || !g->next || !g->boxes) return HTREE_ERROR_MEMORY;
     for (uint32_t i = g->first; i < g->end; ++i) {
         const ht_prim *cell = (const ht_prim *)ht_array_at(&r->crowded, i);
-        HT_TRY(refine_deeply(r, cell, b, &g->fine, LEVELS));
+        crowd next = {ht_cell_first(cell), ht_cell_prims(cell), LEVELS};
+        HT_TRY(refine_cell(r, g, &next));
+        while (g->todo.count > 0) {
+            next = *(const crowd *)ht_array_at(&g->todo, --g->todo.count);
+            HT_TRY(refine_cell(r, g, &next));
+        }
     }
     return HTREE_OK;
 }
 
+/* Memory for the cells is taken here, and given back: what a thread has just used is in its cache. */
 static void refine_group(void *data, uint32_t index) {
     refining *r = (refining *)data;
     group *g = &r->groups[index];
-    ht_memory *memory = r->memory;
-    uint64_t most = 0;
+    uint32_t most = 0;
     for (uint32_t i = g->first; i < g->end; ++i) {
         const uint32_t prims = ht_cell_prims((const ht_prim *)ht_array_at(&r->crowded, i));
         if (prims > most) most = prims;
     }
-    const uint64_t cells =
-        most / PRIMS_A_CELL + 1 < MOST_CELLS ? most / PRIMS_A_CELL + 1 : MOST_CELLS;
-    bench b;
-    b.prims = (ht_prim *)ht_allocate(memory, most * sizeof *b.prims);
-    b.next = (uint32_t *)ht_allocate(memory, cells * sizeof *b.next);
-    b.boxes = (ht_box4 *)ht_allocate(memory, cells * sizeof *b.boxes);
-    g->status = refine_on(r, g, &b);
-    ht_release(memory, b.boxes, cells * sizeof *b.boxes);
-    ht_release(memory, b.next, cells * sizeof *b.next);
-    ht_release(memory, b.prims, most * sizeof *b.prims);
+    uint64_t cells = most / PRIMS_A_CELL + 1;
+    if (cells > MOST_CELLS) cells = MOST_CELLS;
+    g->prims = (ht_prim *)ht_allocate(r->memory, most * sizeof *g->prims);
+    g->next = (uint32_t *)ht_allocate(r->memory, cells * sizeof *g->next);
+    g->boxes = (ht_box4 *)ht_allocate(r->memory, cells * sizeof *g->boxes);
+    g->status = refine_cells(r, g);
+    ht_release(r->memory, g->boxes, cells * sizeof *g->boxes);
+    ht_release(r->memory, g->next, cells * sizeof *g->next);
+    ht_release(r->memory, g->prims, most * sizeof *g->prims);
 }
 
 /* Moves the crowded cells out of the list. */
@@ -209,7 +217,7 @@ static htree_status take_crowded(refining *r, uint64_t *prims) {
     return HTREE_OK;
 }
 
-static void group_crowded(refining *r, uint64_t prims) {
+static htree_status group_crowded(refining *r, uint64_t prims) {
     const uint64_t share = prims / GROUPS + 1;
     for (uint32_t i = 0; i < r->crowded.count;) {
         group *g = &r->groups[r->group_count++];
@@ -219,8 +227,11 @@ static void group_crowded(refining *r, uint64_t prims) {
         while (i < r->crowded.count && (last || taken < share))
             taken += ht_cell_prims((const ht_prim *)ht_array_at(&r->crowded, i++));
         g->end = i;
-        ht_array_begin(&g->fine, r->crowded.memory, sizeof(ht_prim));
+        ht_array_begin(&g->todo, r->memory, sizeof(crowd));
+        ht_array_begin(&g->fine, r->memory, sizeof(ht_prim));
+        HT_TRY(ht_array_reserve(&g->fine, taken / PRIMS_A_CELL + 16));
     }
+    return HTREE_OK;
 }
 
 static htree_status join_groups(refining *r) {
@@ -248,12 +259,15 @@ htree_status ht_wide_refine(ht_wide_build *build) {
     if (builder->tree->prim_count <= ALONE && build->cells.cells.count == 1) return HTREE_OK;
     ht_array_begin(&r.crowded, r.memory, sizeof(ht_prim));
     htree_status status = take_crowded(&r, &prims);
+    if (status == HTREE_OK) status = group_crowded(&r, prims);
     if (status == HTREE_OK) {
-        group_crowded(&r, prims);
         ht_builder_run(builder, r.group_count, refine_group, &r);
         status = join_groups(&r);
     }
-    for (uint32_t i = 0; i < r.group_count; ++i) ht_array_end(&r.groups[i].fine);
+    for (uint32_t i = 0; i < r.group_count; ++i) {
+        ht_array_end(&r.groups[i].fine);
+        ht_array_end(&r.groups[i].todo);
+    }
     ht_array_end(&r.crowded);
     return status;
 }

@@ -24,7 +24,7 @@ typedef struct joint {
 static void group_errands(joint *j) {
     const ht_wide_build *build = j->build;
     const uint32_t count = (uint32_t)build->top.errands.count;
-    const uint32_t share = build->top.prims / GROUPS + 1;
+    const uint32_t share = build->builder->tree->prim_count / GROUPS + 1;
     for (uint32_t i = 0; i < count;) {
         group *g = &j->groups[j->group_count++];
         const bool last = j->group_count == GROUPS;

@@ -52,7 +52,10 @@ void ht_wide_gather(const ht_source *from, const uint32_t *order, const ht_wide_
     for (uint32_t i = 0; i < cells->count; ++i) {
         const uint32_t *ids = order + ht_cell_first(&cells->items[i]);
         const uint32_t count = ht_cell_prims(&cells->items[i]);
-        for (uint32_t k = 0; k < count; ++k) ht_source_prim(&source, ids[k], out++);
+        for (uint32_t k = 0; k < count; ++k) {
+            const ht_box4 box = ht_source_box(&source, ids[k]);
+            ht_prim_set(out++, &box, ids[k]);
+        }
     }
 }
 

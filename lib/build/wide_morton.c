@@ -2,10 +2,9 @@
  * order, eights in a row become leaves and eights of leaves nodes. How many of each there will be
  * follows from the number of prims alone, so every subtree has its place before it is built. Cells
  * are small: the order costs rays little. */
-#include "prims.h"
 #include "wide.h"
 
-enum { CELLS_AN_AXIS = 4, KEYS = CELLS_AN_AXIS * CELLS_AN_AXIS * CELLS_AN_AXIS };
+enum { KEYS = 64 /* two bits an axis */ };
 
 /* Prims of each child but the last. */
 static uint32_t share_of(uint32_t prims) {
@@ -35,36 +34,90 @@ typedef struct building {
     ht_wide_node *nodes;
     ht_wide_leaf *leaves;
     uint32_t next_node, next_leaf;
-    ht_prim prims[HT_WIDE_CELL_PRIMS];
+    uint32_t count;
+    ht_box4 centroids;
+    uint32_t id[HT_WIDE_CELL_PRIMS];
+    ht_f4 centroid[HT_WIDE_CELL_PRIMS];
+    ht_corners corners[HT_WIDE_CELL_PRIMS]; /* of triangles */
     uint16_t order[HT_WIDE_CELL_PRIMS];
 } building;
 
-/* Spreads two bits, so that those of three axes fit between each other. */
-static uint32_t spread(int32_t x) {
-    return (uint32_t)((x & 1) | (x & 2) << 2);
+/* ---- The order ------------------------------------------------------------------------------ */
+
+static void add_prim(building *b, uint32_t id) {
+    const ht_source *source = b->source;
+    const uint32_t i = b->count++;
+    ht_box4 box;
+    b->id[i] = id;
+    if (id < source->triangle_count) {
+        b->corners[i] = ht_source_corners(source, id);
+        box = ht_corners_box(&b->corners[i]);
+    } else {
+        box = ht_box4_of(&source->boxes[id - source->triangle_count]);
+    }
+    b->centroid[i] = ht_f4_add(box.lo, box.hi);
+    ht_box4_add(&b->centroids, b->centroid[i], b->centroid[i]);
 }
 
-/* A counting sort, by the Morton codes of centroids. */
-static void sort_prims(building *b, uint32_t count) {
-    uint16_t next[KEYS + 1] = {0}, key[HT_WIDE_CELL_PRIMS];
-    const htree_box centroids = ht_centroid_bounds(b->prims, count);
-    ht_wide_grid grid;
-    ht_wide_grid_cut(&grid, &centroids, CELLS_AN_AXIS);
-    for (uint32_t i = 0; i < count; ++i) {
-        int32_t at[4];
-        const ht_box4 box = ht_prim_box4(&b->prims[i]);
-        ht_wide_grid_at(&grid, box.lo, box.hi, at);
-        key[i] = (uint16_t)(spread(at[0]) | spread(at[1]) << 1 | spread(at[2]) << 2);
+static void gather(building *b, const uint32_t *order, const ht_wide_run *cells) {
+    b->count = 0;
+    b->centroids = ht_box4_empty();
+    for (uint32_t i = 0; i < cells->count; ++i) {
+        const uint32_t *ids = order + ht_cell_first(&cells->items[i]);
+        const uint32_t count = ht_cell_prims(&cells->items[i]);
+        for (uint32_t k = 0; k < count; ++k) add_prim(b, ids[k]);
+    }
+}
+
+/* A counting sort by Morton codes of four cells an axis: above or below the middle of each axis,
+ * and then of that half. */
+static void sort_prims(building *b) {
+    uint16_t next[KEYS + 1] = {0};
+    uint8_t key[HT_WIDE_CELL_PRIMS];
+    const ht_f4 half = ht_f4_all(0.5f);
+    const ht_f4 lo = ht_f4_mul(b->centroids.lo, half), hi = ht_f4_mul(b->centroids.hi, half);
+    const ht_f4 middle = ht_f4_add(lo, hi), quarter = ht_f4_mul(ht_f4_sub(hi, lo), half);
+    const ht_f4 lower = ht_f4_sub(middle, quarter), upper = ht_f4_add(middle, quarter);
+    for (uint32_t i = 0; i < b->count; ++i) {
+        const ht_f4 c = b->centroid[i];
+        const uint32_t high = ht_f4_above(c, middle) & 7;
+        const ht_f4 quarters = ht_f4_by_sign(ht_f4_sub(middle, c), upper, lower);
+        key[i] = (uint8_t)(high << 3 | (ht_f4_above(c, quarters) & 7));
         ++next[key[i] + 1];
     }
     for (uint32_t k = 0; k < KEYS; ++k) next[k + 1] = (uint16_t)(next[k + 1] + next[k]);
-    for (uint32_t i = 0; i < count; ++i) b->order[next[key[i]]++] = (uint16_t)i;
+    for (uint32_t i = 0; i < b->count; ++i) b->order[next[key[i]]++] = (uint16_t)i;
+}
+
+/* ---- The subtree ---------------------------------------------------------------------------- */
+
+static ht_box4 write_triangles(const building *b, const uint16_t *order, uint32_t count,
+                               ht_wide_leaf *leaf) {
+    ht_corners corners[HT_LANES];
+    ht_box4 box = ht_box4_empty();
+    for (uint32_t i = 0; i < HT_LANES; ++i) {
+        corners[i] = i < count ? b->corners[order[i]] : ht_no_corners();
+        leaf->prim[i] = i < count ? b->id[order[i]] : HT_WIDE_NONE;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const ht_box4 one = ht_corners_box(&corners[i]);
+        ht_box4_add(&box, one.lo, one.hi);
+    }
+    ht_wide_write_corners(corners, leaf);
+    return box;
+}
+
+static ht_box4 write_any(const building *b, const uint16_t *order, uint32_t count,
+                         ht_wide_leaf *leaf) {
+    uint32_t prims[HT_LANES];
+    for (uint32_t i = 0; i < count; ++i) prims[i] = b->id[order[i]];
+    return ht_wide_write_leaf(b->source, prims, count, leaf);
 }
 
 static uint32_t add_leaf(building *b, uint32_t start, uint32_t count, ht_box4 *box) {
-    uint32_t prims[HT_LANES];
-    for (uint32_t i = 0; i < count; ++i) prims[i] = ht_prim_id(&b->prims[b->order[start + i]]);
-    *box = ht_wide_write_leaf(b->source, prims, count, &b->leaves[b->next_leaf]);
+    ht_wide_leaf *leaf = &b->leaves[b->next_leaf];
+    *box = b->source->object_count ? write_any(b, b->order + start, count, leaf)
+                                   : write_triangles(b, b->order + start, count, leaf);
     return HT_WIDE_LEAF | b->next_leaf++;
 }
 
@@ -75,22 +128,19 @@ static uint32_t add_node(building *b, uint32_t start, uint32_t count, ht_box4 *b
     *box = ht_box4_empty();
     do {
         const uint32_t here = count - done < share ? count - done : share;
-        ht_box4 part;
-        child[children] = here <= HT_LANES ? add_leaf(b, start + done, here, &part)
-                                           : add_node(b, start + done, here, &part);
-        runs[children++].box = ht_box4_box(&part);
-        ht_box4_add(box, part.lo, part.hi);
+        ht_box4 *part = &runs[children].box;
+        child[children++] = here <= HT_LANES ? add_leaf(b, start + done, here, part)
+                                             : add_node(b, start + done, here, part);
+        ht_box4_add(box, part->lo, part->hi);
         done += here;
     } while (done < count);
-    const htree_box all = ht_box4_box(box);
-    ht_wide_fill_node(&b->nodes[slot], runs, children, &all, lane);
+    ht_wide_fill_node(&b->nodes[slot], runs, children, box, lane);
     for (uint32_t i = 0; i < children; ++i) b->nodes[slot].child[lane[i]] = child[i];
     return slot;
 }
 
 void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32_t *order,
                         const ht_wide_errand *errand) {
-    const uint32_t count = errand->cells.prims;
     building b;
     ht_box4 box;
     b.source = source;
@@ -98,10 +148,10 @@ void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32
     b.leaves = tree->leaves;
     b.next_node = errand->node;
     b.next_leaf = errand->leaf;
-    ht_wide_gather(source, order, &errand->cells, b.prims);
-    sort_prims(&b, count);
+    gather(&b, order, &errand->cells);
+    sort_prims(&b);
     const uint32_t child =
-        count <= HT_LANES ? add_leaf(&b, 0, count, &box) : add_node(&b, 0, count, &box);
+        b.count <= HT_LANES ? add_leaf(&b, 0, b.count, &box) : add_node(&b, 0, b.count, &box);
     assert(child == errand->child);
     (void)child;
 }

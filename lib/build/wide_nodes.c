@@ -36,86 +36,101 @@ static uint32_t order_prims(const ht_source *source, const uint32_t *prims, uint
 }
 
 /* Four triangles at a time, which come corner by corner and go coordinate by coordinate. */
+void ht_wide_write_corners(const ht_corners corners[HT_LANES], ht_wide_leaf *leaf) {
+    for (uint32_t half = 0; half < HT_LANES; half += 4) {
+        for (uint32_t k = 0; k < 3; ++k) {
+            ht_f4 rows[4];
+            for (uint32_t i = 0; i < 4; ++i) rows[i] = corners[half + i].v[k];
+            ht_f4_transpose(rows);
+            for (uint32_t axis = 0; axis < 3; ++axis)
+                ht_f4_store(&leaf->v[k][axis][half], rows[axis]);
+        }
+    }
+}
+
 ht_box4 ht_wide_write_leaf(const ht_source *from, const uint32_t *prims, uint32_t count,
                            ht_wide_leaf *leaf) {
     const ht_source source = *from; /* which no store can change */
     const uint32_t triangles = order_prims(from, prims, count, leaf->prim);
+    ht_corners corners[HT_LANES];
     ht_box4 box = ht_box4_empty();
-    for (uint32_t half = 0; half < HT_LANES; half += 4) {
-        ht_f4 rows[3][4];
-        for (uint32_t i = 0; i < 4; ++i) {
-            const ht_f4 zero = ht_f4_all(0);
-            ht_corners c = {{zero, zero, zero}};
-            if (half + i < triangles) {
-                c = ht_source_corners(&source, leaf->prim[half + i]);
-                const ht_box4 one = ht_corners_box(&c);
-                ht_box4_add(&box, one.lo, one.hi);
-            }
-            for (uint32_t k = 0; k < 3; ++k) rows[k][i] = c.v[k];
-        }
-        for (uint32_t k = 0; k < 3; ++k) {
-            ht_f4_transpose(rows[k]);
-            for (uint32_t axis = 0; axis < 3; ++axis)
-                ht_f4_store(&leaf->v[k][axis][half], rows[k][axis]);
-        }
+    for (uint32_t i = 0; i < triangles; ++i) {
+        corners[i] = ht_source_corners(&source, leaf->prim[i]);
+        const ht_box4 one = ht_corners_box(&corners[i]);
+        ht_box4_add(&box, one.lo, one.hi);
     }
+    for (uint32_t i = triangles; i < HT_LANES; ++i) corners[i] = ht_no_corners();
+    ht_wide_write_corners(corners, leaf);
     for (uint32_t i = triangles; i < count; ++i) {
-        ht_prim object;
-        ht_source_prim(&source, leaf->prim[i], &object);
-        ht_box4_add(&box, ht_f4_load(object.lo), ht_f4_load(object.hi));
+        const ht_box4 object = ht_source_box(&source, leaf->prim[i]);
+        ht_box4_add(&box, object.lo, object.hi);
     }
     return box;
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
 
-/* How far out a box lies in the direction of each lane: the corner of a cube that its number is. */
-static void lane_worths(const htree_box *box, const htree_box *all, float worth[HT_LANES]) {
-    float offset[3];
-    for (int k = 0; k < 3; ++k) offset[k] = (box->lo[k] - all->lo[k]) - (all->hi[k] - box->hi[k]);
+/* The free lane that suits a box best: the farther out it lies towards a corner of the cube that the
+ * lanes are, the more that corner is worth. */
+static uint32_t best_lane(ht_f4 outward, uint32_t taken) {
+    float far[4], most = -INFINITY;
+    uint32_t best = HT_LANES;
+    ht_f4_store(far, outward);
     for (uint32_t lane = 0; lane < HT_LANES; ++lane) {
-        worth[lane] = (lane & 1 ? offset[0] : -offset[0]) + (lane & 2 ? offset[1] : -offset[1]) +
-                      (lane & 4 ? offset[2] : -offset[2]);
+        const float worth = (lane & 1 ? far[0] : -far[0]) + (lane & 2 ? far[1] : -far[1]) +
+                            (lane & 4 ? far[2] : -far[2]);
+        const bool better = !(taken >> lane & 1) && worth >= most;
+        most = better ? worth : most;
+        best = better ? lane : best;
     }
+    return best;
 }
 
-/* Gives every run in turn the free lane that suits it best. */
-static void assign_lanes(const ht_wide_run *runs, uint32_t count, const htree_box *all,
+/* Gives every run in turn the lane of the octant that it lies in, or else the best that is free. */
+static void assign_lanes(const ht_wide_run *runs, uint32_t count, const ht_box4 *all,
                          uint32_t lane[HT_LANES]) {
+    const ht_f4 middle = ht_f4_add(all->lo, all->hi);
     uint32_t taken = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        float worth[HT_LANES], best = -INFINITY;
-        lane_worths(&runs[i].box, all, worth);
-        for (uint32_t k = 0; k < HT_LANES; ++k) {
-            const bool better = !(taken >> k & 1) && worth[k] >= best;
-            best = better ? worth[k] : best;
-            lane[i] = better ? k : lane[i];
-        }
+        const ht_f4 outward = ht_f4_sub(ht_f4_add(runs[i].box.lo, runs[i].box.hi), middle);
+        const uint32_t octant = ~ht_f4_above(ht_f4_all(0), outward) & (HT_LANES - 1);
+        lane[i] = HT_UNLIKELY(taken >> octant & 1) ? best_lane(outward, taken) : octant;
         taken |= 1u << lane[i];
     }
 }
 
-static void write_box(ht_wide_node *node, uint32_t lane, const htree_box *box) {
-    for (uint32_t axis = 0; axis < 3; ++axis) {
-        node->lo[axis][lane] = box->lo[axis];
-        node->hi[axis][lane] = box->hi[axis];
+/* Eight boxes come row by row and go coordinate by coordinate. */
+static void write_boxes(ht_wide_node *node, const ht_box4 boxes[HT_LANES]) {
+    for (uint32_t half = 0; half < HT_LANES; half += 4) {
+        ht_f4 lo[4], hi[4];
+        for (uint32_t i = 0; i < 4; ++i) {
+            lo[i] = boxes[half + i].lo;
+            hi[i] = boxes[half + i].hi;
+        }
+        ht_f4_transpose(lo);
+        ht_f4_transpose(hi);
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            ht_f4_store(&node->lo[axis][half], lo[axis]);
+            ht_f4_store(&node->hi[axis][half], hi[axis]);
+        }
     }
 }
 
 void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
-                       const htree_box *box, uint32_t lane[HT_LANES]) {
-    const htree_box nothing = ht_box_empty();
+                       const ht_box4 *box, uint32_t lane[HT_LANES]) {
+    ht_box4 boxes[HT_LANES];
     assign_lanes(runs, count, box, lane);
     for (uint32_t i = 0; i < HT_LANES; ++i) {
-        write_box(node, i, &nothing);
+        boxes[i] = ht_box4_empty();
         node->child[i] = HT_WIDE_NONE;
         node->unused[i] = 0;
     }
-    for (uint32_t i = 0; i < count; ++i) write_box(node, lane[i], &runs[i].box);
+    for (uint32_t i = 0; i < count; ++i) boxes[lane[i]] = runs[i].box;
+    write_boxes(node, boxes);
 }
 
 htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
-                                const htree_box *box, uint32_t lane[HT_LANES], uint32_t *slot) {
+                                const ht_box4 *box, uint32_t lane[HT_LANES], uint32_t *slot) {
     *slot = (uint32_t)part->nodes.count;
     ht_wide_node *node = (ht_wide_node *)ht_array_add(&part->nodes);
     if (!node) return HTREE_ERROR_MEMORY;

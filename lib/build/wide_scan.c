@@ -9,6 +9,7 @@
 
 enum {
     MOST_CHUNKS = 16,
+    PIECES = 16,
     PRIMS_A_CHUNK = 4096,
     PRIMS_A_CELL = 8, /* one of a few cells is occupied where prims form surfaces */
     MOST_CELLS = 1 << 18,
@@ -17,8 +18,6 @@ enum {
 
 typedef struct chunk {
     uint32_t first, end; /* prims, triangles before objects */
-    htree_box extent;    /* of vertices and objects */
-    htree_box bounds;
     uint64_t invalid, degenerate;
     uint32_t bad; /* the first prim that the mesh is refused for */
     bool no_vertex;
@@ -26,19 +25,26 @@ typedef struct chunk {
     ht_box4 *boxes; /* by cell */
 } chunk;
 
+/* Of the arrays of vertices and objects. */
+typedef struct piece {
+    htree_box extent;
+    bool in_range; /* every vertex, NaN and infinity apart */
+} piece;
+
 typedef struct scan {
     const ht_builder *builder;
     const ht_source *source;
     ht_wide_cells *cells;
     ht_wide_grid grid;
-    bool strict;
+    bool strict, in_range;
     uint32_t chunks;
     chunk part[MOST_CHUNKS];
+    piece pieces[PIECES];
 } scan;
 
 /* ---- How far the mesh reaches --------------------------------------------------------------- */
 
-static void add_extent(htree_box *extent, const float *lo, const float *hi) {
+static void add_valid(htree_box *extent, const float *lo, const float *hi) {
     for (int k = 0; k < 3; ++k) {
         if (ht_magnitude(lo[k]) <= HTREE_COORDINATE_MAX)
             extent->lo[k] = ht_min(extent->lo[k], lo[k]);
@@ -47,27 +53,56 @@ static void add_extent(htree_box *extent, const float *lo, const float *hi) {
     }
 }
 
-static void measure_chunk(void *data, uint32_t index) {
-    scan *s = (scan *)data;
-    const ht_source *source = s->source;
-    chunk *c = &s->part[index];
-    const uint64_t first = source->vertex_count * index / s->chunks;
-    const uint64_t end = source->vertex_count * (index + 1) / s->chunks;
+/* Sets *extent as if every vertex were in range; returns whether it is so. */
+static bool measure_vertices(const ht_source *from, uint64_t first, uint64_t end,
+                             htree_box *extent) {
+    const ht_source source = *from;
+    const ht_f4 limit = ht_f4_all(HTREE_COORDINATE_MAX);
+    ht_f4 finite = ht_f4_all(0); /* x - x is 0, or NaN for ever */
+    ht_box4 box = ht_box4_empty();
+    for (uint64_t i = first; i < end; ++i) {
+        const ht_f4 position = i + 1 == source.vertex_count ? ht_source_position(&source, i)
+                                                            : ht_source_position4(&source, i);
+        ht_box4_add(&box, position, position);
+        finite = ht_f4_add(finite, ht_f4_sub(position, position));
+    }
+    *extent = ht_box4_box(&box);
+    const uint32_t good = ht_f4_above(ht_f4_all(1), finite) & ~ht_f4_above(box.hi, limit) &
+                          ~ht_f4_above(ht_f4_sub(ht_f4_all(0), limit), box.lo);
+    return (good & HT_XYZ) == HT_XYZ;
+}
+
+static htree_box valid_extent_of(const ht_source *source, uint64_t first, uint64_t end) {
+    htree_box extent = ht_box_empty();
     for (uint64_t i = first; i < end; ++i) {
         float p[3];
         memcpy(p, source->positions + i * source->stride, sizeof p);
-        add_extent(&c->extent, p, p);
+        add_valid(&extent, p, p);
     }
-    const uint32_t triangles = source->triangle_count;
-    for (uint32_t i = c->first < triangles ? triangles : c->first; i < c->end; ++i)
-        add_extent(&c->extent, source->boxes[i - triangles].lo, source->boxes[i - triangles].hi);
+    return extent;
+}
+
+static void measure_piece(void *data, uint32_t index) {
+    scan *s = (scan *)data;
+    const ht_source *source = s->source;
+    const uint64_t vertices = source->vertex_count, objects = source->object_count;
+    const uint64_t first = vertices * index / PIECES, end = vertices * (index + 1) / PIECES;
+    piece *p = &s->pieces[index];
+    p->in_range = measure_vertices(source, first, end, &p->extent);
+    if (!p->in_range) p->extent = valid_extent_of(source, first, end);
+    for (uint64_t i = objects * index / PIECES; i < objects * (index + 1) / PIECES; ++i)
+        add_valid(&p->extent, source->boxes[i].lo, source->boxes[i].hi);
 }
 
 static void shape_grid(scan *s) {
     const uint64_t prims = (uint64_t)s->source->triangle_count + s->source->object_count;
     const double wanted = prims < CELLS_PAY ? 1 : (double)prims / PRIMS_A_CELL;
     htree_box all = ht_box_empty();
-    for (uint32_t i = 0; i < s->chunks; ++i) ht_box_add(&all, &s->part[i].extent);
+    s->in_range = true;
+    for (uint32_t i = 0; i < PIECES; ++i) {
+        ht_box_add(&all, &s->pieces[i].extent);
+        s->in_range &= s->pieces[i].in_range;
+    }
     for (int k = 0; k < 3; ++k) {
         all.lo[k] *= 2;
         all.hi[k] *= 2;
@@ -83,32 +118,41 @@ typedef struct scanner {
     ht_wide_grid grid;
     uint32_t *cell_of, *next;
     ht_box4 *boxes;
-    ht_box4 bounds;
 } scanner;
 
-HT_INLINE void add_prim(scanner *s, uint32_t i, const ht_box4 *box) {
+HT_INLINE void add_prim(const scanner *s, uint32_t i, const ht_box4 *box) {
     const uint32_t cell = ht_wide_grid_cell(&s->grid, box->lo, box->hi);
     s->cell_of[i] = cell;
     ++s->next[cell];
     ht_box4_add(&s->boxes[cell], box->lo, box->hi);
-    ht_box4_add(&s->bounds, box->lo, box->hi);
 }
 
-HT_INLINE ht_verdict scan_triangle(scanner *s, uint32_t i) {
+HT_INLINE ht_verdict scan_triangle(const scanner *s, uint32_t i, bool in_range) {
     if (HT_UNLIKELY(!ht_source_has_corners(&s->source, i))) return HT_NO_VERTEX;
     const ht_corners corners = ht_source_corners(&s->source, i);
-    const ht_verdict verdict = ht_corners_judge(&corners);
+    const ht_verdict verdict =
+        in_range ? ht_corners_judge_area(&corners) : ht_corners_judge(&corners);
     if (HT_UNLIKELY(verdict != HT_HITTABLE)) return verdict;
     const ht_box4 box = ht_corners_box(&corners);
     add_prim(s, i, &box);
     return HT_HITTABLE;
 }
 
-static ht_verdict scan_object(scanner *s, uint32_t i) {
-    ht_prim prim;
-    if (!ht_box_is_valid(&s->source.boxes[i - s->source.triangle_count])) return HT_INVALID;
-    ht_source_prim(&s->source, i, &prim);
-    const ht_box4 box = ht_prim_box4(&prim);
+/* Up to the first triangle that cannot be hit, or the end. */
+HT_INLINE uint32_t scan_some(const scanner *given, uint32_t i, uint32_t end, bool in_range,
+                             ht_verdict *verdict) {
+    const scanner s = *given;
+    for (*verdict = HT_HITTABLE; i < end; ++i) {
+        *verdict = scan_triangle(&s, i, in_range);
+        if (HT_UNLIKELY(*verdict != HT_HITTABLE)) break;
+    }
+    return i;
+}
+
+static ht_verdict scan_object(const scanner *s, uint32_t i) {
+    const htree_box *object = &s->source.boxes[i - s->source.triangle_count];
+    if (!ht_box_is_valid(object)) return HT_INVALID;
+    const ht_box4 box = ht_box4_of(object);
     add_prim(s, i, &box);
     return HT_HITTABLE;
 }
@@ -124,24 +168,30 @@ static bool skip(const scan *s, chunk *c, uint32_t i, ht_verdict why) {
     return false;
 }
 
+static bool scan_triangles(const scan *s, chunk *c, const scanner *local) {
+    const uint32_t triangles = local->source.triangle_count;
+    const uint32_t end = c->end < triangles ? c->end : triangles;
+    for (uint32_t i = c->first; i < end; ++i) {
+        ht_verdict verdict;
+        i = s->in_range ? scan_some(local, i, end, true, &verdict)
+                        : scan_some(local, i, end, false, &verdict);
+        if (verdict != HT_HITTABLE && !skip(s, c, i, verdict)) return false;
+    }
+    return true;
+}
+
 static void scan_chunk(void *data, uint32_t index) {
     scan *s = (scan *)data;
     chunk *c = &s->part[index];
-    scanner local = {*s->source, s->grid, s->cells->leaf_order, c->next, c->boxes, ht_box4_empty()};
+    const scanner local = {*s->source, s->grid, s->cells->leaf_order, c->next, c->boxes};
+    const uint32_t triangles = local.source.triangle_count;
     memset(c->next, 0, s->grid.total * sizeof *c->next);
     for (uint32_t cell = 0; cell < s->grid.total; ++cell) c->boxes[cell] = ht_box4_empty();
-    const uint32_t triangles =
-        c->end < local.source.triangle_count ? c->end : local.source.triangle_count;
-    uint32_t i = c->first;
-    for (; i < triangles; ++i) {
-        const ht_verdict v = scan_triangle(&local, i);
-        if (HT_UNLIKELY(v != HT_HITTABLE) && !skip(s, c, i, v)) return;
+    if (!scan_triangles(s, c, &local)) return;
+    for (uint32_t i = c->first < triangles ? triangles : c->first; i < c->end; ++i) {
+        const ht_verdict verdict = scan_object(&local, i);
+        if (verdict != HT_HITTABLE && !skip(s, c, i, verdict)) return;
     }
-    for (; i < c->end; ++i) {
-        const ht_verdict v = scan_object(&local, i);
-        if (v != HT_HITTABLE && !skip(s, c, i, v)) return;
-    }
-    c->bounds = ht_box4_box(&local.bounds);
 }
 
 /* ---- Sort ----------------------------------------------------------------------------------- */
@@ -149,6 +199,7 @@ static void scan_chunk(void *data, uint32_t index) {
 /* Turns counts into places, cell by cell and chunk by chunk, and lists the cells that hold any. */
 static htree_status list_cells(scan *s) {
     uint32_t place = 0;
+    ht_box4 bounds = ht_box4_empty();
     for (uint32_t cell = 0; cell < s->grid.total; ++cell) {
         const uint32_t first = place;
         ht_box4 box = ht_box4_empty();
@@ -162,10 +213,10 @@ static htree_status list_cells(scan *s) {
         if (place == first) continue;
         ht_prim *listed = (ht_prim *)ht_array_add(&s->cells->cells);
         if (!listed) return HTREE_ERROR_MEMORY;
-        ht_f4_store(listed->lo, box.lo);
-        ht_f4_store(listed->hi, box.hi);
-        ht_cell_set_range(listed, first, place - first);
+        ht_cell_set(listed, &box, first, place - first);
+        ht_box4_add(&bounds, box.lo, box.hi);
     }
+    s->builder->tree->bounds = ht_box4_box(&bounds);
     return HTREE_OK;
 }
 
@@ -188,7 +239,6 @@ static htree_status join_chunks(const scan *s) {
         tree->prim_count += c->end - c->first - (uint32_t)(c->invalid + c->degenerate);
         tree->invalid += c->invalid;
         tree->degenerate += c->degenerate;
-        ht_box_add(&tree->bounds, &c->bounds);
     }
     return HTREE_OK;
 }
@@ -205,7 +255,6 @@ static void cut_chunks(scan *s) {
         chunk *c = &s->part[i];
         c->first = (uint32_t)(prims * i / chunks);
         c->end = (uint32_t)(prims * (i + 1) / chunks);
-        c->extent = c->bounds = ht_box_empty();
         c->bad = HTREE_NONE;
     }
 }
@@ -228,7 +277,7 @@ htree_status ht_wide_scan(ht_wide_build *build) {
     s.cells = &build->cells;
     s.strict = (builder->options->flags & HTREE_STRICT) != 0;
     cut_chunks(&s);
-    ht_builder_run(builder, s.chunks, measure_chunk, &s);
+    ht_builder_run(builder, PIECES, measure_piece, &s);
     shape_grid(&s);
     const uint64_t cell_bytes = sizeof(uint32_t) + sizeof(ht_box4);
     const uint64_t bytes = s.chunks * cell_bytes * s.grid.total;
