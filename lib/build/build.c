@@ -177,11 +177,8 @@ htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how, doub
     bool refits = false;
     double ratio = 1;
     HT_TRY(read_update(tree, mesh, how));
-    if (how == HTREE_REFIT) HT_TRY(ht_refit_verify(tree, mesh, &refits));
-    if (refits)
-        ratio = ht_refit(tree, mesh);
-    else
-        HT_TRY(rebuild(tree, mesh));
+    if (how == HTREE_REFIT) HT_TRY(ht_refit(tree, mesh, &refits, &ratio));
+    if (!refits) HT_TRY(rebuild(tree, mesh));
     if (refits && mesh->objects) {
         tree->intersect = mesh->objects->intersect;
         tree->intersect_user = mesh->objects->user;

@@ -4,11 +4,8 @@
 
 #include "source.h"
 
-/* Whether refitting can bring the tree to the mesh; GEOMETRY if the mesh is to be refused. On all
- * cores. */
-htree_status ht_refit_verify(const htree *tree, const htree_mesh *mesh, bool *can);
-
-/* Refits a wide tree to a mesh that was verified. Returns the cost now over that of the build. */
-double ht_refit(htree *tree, const htree_mesh *mesh);
+/* Brings a wide tree to the mesh without building, if *done says so: then *ratio is the cost now over
+ * that of the build. Else the tree is as it was, and so it is after an error: GEOMETRY, MEMORY. */
+htree_status ht_refit(htree *tree, const htree_mesh *mesh, bool *done, double *ratio);
 
 #endif

@@ -98,6 +98,8 @@ ht_box4 ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint3
 
 /* The corners of a leaf's triangles, zero where a lane is idle. */
 void ht_wide_write_corners(const ht_corners corners[HT_LANES], ht_wide_leaf *leaf);
+/* The same of a leaf that has its prims. */
+ht_box4 ht_wide_fill_leaf(const ht_source *source, ht_wide_leaf *leaf);
 
 /* ---- Errands -------------------------------------------------------------------------------- */
 

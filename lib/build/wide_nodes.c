@@ -23,16 +23,15 @@ htree_status ht_wide_add_leaf(ht_wide_part *part, uint32_t first, uint32_t count
     return HTREE_OK;
 }
 
-/* Triangles to the front, objects behind them; returns how many triangles. */
-static uint32_t order_prims(const ht_source *source, const uint32_t *prims, uint32_t count,
-                            uint32_t *lanes) {
+/* Triangles to the front, objects behind them. */
+static void order_prims(const ht_source *source, const uint32_t *prims, uint32_t count,
+                        uint32_t *lanes) {
     uint32_t triangles = 0, end = count;
-    for (uint32_t i = 0; i < HT_LANES; ++i) lanes[i] = HTREE_NONE;
+    for (uint32_t i = 0; i < HT_LANES; ++i) lanes[i] = HT_WIDE_NONE;
     for (uint32_t i = 0; i < count; ++i) {
         const bool triangle = prims[i] < source->triangle_count;
         lanes[triangle ? triangles++ : --end] = prims[i];
     }
-    return triangles;
 }
 
 /* Four triangles at a time, which come corner by corner and go coordinate by coordinate. */
@@ -48,24 +47,53 @@ void ht_wide_write_corners(const ht_corners corners[HT_LANES], ht_wide_leaf *lea
     }
 }
 
-ht_box4 ht_wide_write_leaf(const ht_source *from, const uint32_t *prims, uint32_t count,
-                           ht_wide_leaf *leaf) {
-    const ht_source source = *from; /* which no store can change */
-    const uint32_t triangles = order_prims(from, prims, count, leaf->prim);
-    ht_corners corners[HT_LANES];
+/* Four triangles at a time, which come corner by corner and go coordinate by coordinate. Idle lanes
+ * read the first triangle again, which adds nothing to the box. */
+static ht_box4 fill_with_triangles(const ht_source *source, uint32_t triangles,
+                                   ht_wide_leaf *leaf) {
+    static const float busy[2 * HT_LANES] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    const uint32_t first = leaf->prim[0];
     ht_box4 box = ht_box4_empty();
-    for (uint32_t i = 0; i < triangles; ++i) {
-        corners[i] = ht_source_corners(&source, leaf->prim[i]);
-        const ht_box4 one = ht_corners_box(&corners[i]);
-        ht_box4_add(&box, one.lo, one.hi);
+    for (uint32_t half = 0; half < HT_LANES; half += 4) {
+        const ht_f4 live = ht_f4_load(&busy[HT_LANES - triangles + half]);
+        ht_f4 rows[3][4];
+        for (uint32_t i = 0; i < 4; ++i) {
+            const uint32_t prim = half + i < triangles ? leaf->prim[half + i] : first;
+            const ht_corners c = ht_source_corners(source, prim);
+            const ht_box4 one = ht_corners_box(&c);
+            ht_box4_add(&box, one.lo, one.hi);
+            for (uint32_t k = 0; k < 3; ++k) rows[k][i] = c.v[k];
+        }
+        for (uint32_t k = 0; k < 3; ++k) {
+            ht_f4_transpose(rows[k]);
+            for (uint32_t axis = 0; axis < 3; ++axis)
+                ht_f4_store(&leaf->v[k][axis][half],
+                            ht_f4_by_sign(live, rows[k][axis], ht_f4_all(0)));
+        }
     }
-    for (uint32_t i = triangles; i < HT_LANES; ++i) corners[i] = ht_no_corners();
-    ht_wide_write_corners(corners, leaf);
-    for (uint32_t i = triangles; i < count; ++i) {
+    return box;
+}
+
+ht_box4 ht_wide_fill_leaf(const ht_source *from, ht_wide_leaf *leaf) {
+    const ht_source source = *from; /* which no store can change */
+    uint32_t triangles = 0;
+    for (uint32_t i = 0; i < HT_LANES; ++i) triangles += leaf->prim[i] < source.triangle_count;
+    ht_box4 box = ht_box4_empty();
+    if (triangles > 0)
+        box = fill_with_triangles(&source, triangles, leaf);
+    else
+        memset(leaf->v, 0, sizeof leaf->v);
+    for (uint32_t i = triangles; i < HT_LANES && leaf->prim[i] != HT_WIDE_NONE; ++i) {
         const ht_box4 object = ht_source_box(&source, leaf->prim[i]);
         ht_box4_add(&box, object.lo, object.hi);
     }
     return box;
+}
+
+ht_box4 ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
+                           ht_wide_leaf *leaf) {
+    order_prims(source, prims, count, leaf->prim);
+    return ht_wide_fill_leaf(source, leaf);
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */

@@ -30,6 +30,7 @@ bool ht_triangle_is_valid(const ht_triangle *triangle) {
 void ht_tree_release(htree *tree) {
     ht_memory *memory = &tree->memory;
     if (tree->lazy) tree->lazy->end(tree);
+    ht_release(memory, tree->skipped, tree->skipped_count * sizeof *tree->skipped);
     if (tree->borrowed) return;
     ht_release(memory, tree->nodes, tree->node_bytes);
     ht_release(memory, tree->refs, tree->ref_count * sizeof *tree->refs);

@@ -57,6 +57,8 @@ struct htree {
 
     htree_options options; /* of the build, for the next one */
     double area;           /* of all boxes over that of the bounds, when it was built; 0: unknown */
+    uint32_t *skipped;     /* prims that no leaf refers to, once a refit has asked for them */
+    uint32_t skipped_count;
     uint64_t invalid, degenerate;
     float cost_skd, cost_bv2, cost_bv6, cost_intersect;
     double build_seconds;
