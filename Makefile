@@ -48,7 +48,7 @@ HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VER
 HAVE_EMBREE := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
-LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c lib/trace/*/*.c))
+LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/build/*/*.c lib/trace/*.c lib/trace/*/*.c))
 PARTS := mesh picture program bart animate table1 visibility
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
 BENCH_SRC := $(filter-out $(if $(HAVE_EMBREE),%/peer_none.c,%/peer.c %/peer_pack.c %/peer_trace.c), \

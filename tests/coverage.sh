@@ -17,7 +17,7 @@ printf '%s\n' "$@" | xargs -P "${JOBS:-2}" -I NAME sh -c '
 ' sh "$out"
 
 # Objects share headers: a line counts as run if any of them ran it.
-for source in lib/base/*.c lib/tree/*.c lib/build/*.c lib/trace/*.c lib/trace/*/*.c; do
+for source in lib/base/*.c lib/tree/*.c lib/build/*.c lib/build/*/*.c lib/trace/*.c lib/trace/*/*.c; do
     [ -f "$out/${source%.c}.gcda" ] && gcov -t -b -c -o "$out/$(dirname "$source")" "$source" 2>/dev/null
 done | awk -v list="$out/uncovered" '
     /^ *-: *0:Source:/ { file = $0; sub(/.*Source:/, "", file); line = 0; next }

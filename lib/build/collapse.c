@@ -158,7 +158,8 @@ static htree_status write_tree(const collapsing *c, const ht_builder *builder) {
     HT_TRY(ht_wide_allocate(tree, c->part.nodes.count, c->part.leaves.count));
     memcpy(tree->nodes, c->part.nodes.items, (size_t)tree->node_bytes);
     for (uint32_t i = 0; i < tree->leaf_count; ++i)
-        ht_wide_write_leaf(&source, c->order + runs[i].first, runs[i].count, &tree->leaves[i]);
+        ht_wide_write_leaf(tree->isa, &source, c->order + runs[i].first, runs[i].count,
+                           &tree->leaves[i]);
     tree->stack = c->part.deepest;
     return HTREE_OK;
 }

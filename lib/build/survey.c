@@ -22,17 +22,15 @@ static range chunk_of(uint64_t count, uint32_t index) {
 
 /* ---- In the order of the arrays ------------------------------------------------------------- */
 
-/* Three maxima in turn: one would wait for itself. */
+/* last - index is negative, or index is, for every index beyond. */
 static bool have_vertices(const ht_source *source, range triangles) {
-    uint32_t largest[3] = {0, 0, 0};
-    const uint32_t *indices = source->indices;
-    if (!indices || triangles.first == triangles.end) return true;
-    for (uint64_t i = 3 * triangles.first; i < 3 * triangles.end; i += 3) {
-        for (uint32_t k = 0; k < 3; ++k)
-            largest[k] = indices[i + k] > largest[k] ? indices[i + k] : largest[k];
-    }
-    const uint64_t count = source->vertex_count;
-    return largest[0] < count && largest[1] < count && largest[2] < count;
+    const uint32_t last = (uint32_t)(source->vertex_count - 1);
+    uint32_t signs = 0;
+    if (!source->indices) return true;
+    if (source->vertex_count > INT32_MAX) return false;
+    for (uint64_t i = 3 * triangles.first; i < 3 * triangles.end; ++i)
+        signs |= (last - source->indices[i]) | source->indices[i];
+    return !(signs >> 31);
 }
 
 static bool are_in_range(const ht_source *source, range vertices) {
@@ -45,8 +43,7 @@ static bool are_in_range(const ht_source *source, range vertices) {
 
 static bool are_valid(const ht_source *source, range boxes) {
     bool valid = true;
-    for (uint64_t i = boxes.first; i < boxes.end; ++i)
-        valid &= ht_box_is_valid(&source->boxes[i]);
+    for (uint64_t i = boxes.first; i < boxes.end; ++i) valid &= ht_box_is_valid(&source->boxes[i]);
     return valid;
 }
 

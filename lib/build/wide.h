@@ -6,7 +6,7 @@
  *     wide_top.c      the top of the tree over cells, and errands below it
  *     wide_cost.c     errands by cost, joined into a tree;  wide_errand.c: one of them
  *     wide_order.c    errands by Morton order, at once or lazily;  wide_morton.c: one of them
- *     wide_nodes.c    nodes and leaves as walks read them
+ *     wide_nodes.c    nodes and leaves as walks read them;  x86/leaf_avx2.c: leaves by AVX2
  *     wide_compact.c  the finished tree in less memory
  */
 #ifndef HT_WIDE_H
@@ -93,13 +93,18 @@ HT_INLINE void ht_wide_set_child(ht_wide_part *part, uint32_t slot, uint32_t lan
 htree_status ht_wide_add_leaf(ht_wide_part *part, uint32_t first, uint32_t count, uint32_t *child);
 
 /* A leaf of at most HT_LANES prims; user objects come last. Returns their box. */
-ht_box4 ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
-                           ht_wide_leaf *leaf);
+ht_box4 ht_wide_write_leaf(ht_isa isa, const ht_source *source, const uint32_t *prims,
+                           uint32_t count, ht_wide_leaf *leaf);
 
 /* The corners of a leaf's triangles, zero where a lane is idle. */
 void ht_wide_write_corners(const ht_corners corners[HT_LANES], ht_wide_leaf *leaf);
 /* The same of a leaf that has its prims. */
-ht_box4 ht_wide_fill_leaf(const ht_source *source, ht_wide_leaf *leaf);
+ht_box4 ht_wide_fill_leaf(ht_isa isa, const ht_source *source, ht_wide_leaf *leaf);
+
+/* x86/leaf_avx2.c: the triangles of a leaf that has some, and their box; false, and nothing done, if
+ * they are not to be read this way. */
+bool ht_wide_fill_avx2(const ht_source *source, uint32_t triangles, ht_wide_leaf *leaf,
+                       ht_box4 *box);
 
 /* ---- Errands -------------------------------------------------------------------------------- */
 

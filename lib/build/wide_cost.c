@@ -103,8 +103,8 @@ static void finish_group(void *data, uint32_t index) {
     const ht_wide_leaf_run *runs = (const ht_wide_leaf_run *)g->part.leaves.items;
     copy_nodes(tree, &g->part, g->node_base, g->leaf_base);
     for (uint64_t i = 0; i < g->part.leaves.count; ++i) {
-        ht_wide_write_leaf(&build->source, build->cells.leaf_order + runs[i].first, runs[i].count,
-                           &tree->leaves[g->leaf_base + i]);
+        ht_wide_write_leaf(tree->isa, &build->source, build->cells.leaf_order + runs[i].first,
+                           runs[i].count, &tree->leaves[g->leaf_base + i]);
     }
     for (uint32_t i = g->first; i < g->end; ++i) {
         const ht_wide_errand *e = ht_wide_errand_at(build, i);

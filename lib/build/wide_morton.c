@@ -31,6 +31,7 @@ uint32_t ht_wide_morton_stack(uint32_t prims) {
 
 typedef struct building {
     const ht_source *source;
+    ht_isa isa;
     ht_wide_node *nodes;
     ht_wide_leaf *leaves;
     uint32_t next_node, next_leaf;
@@ -111,7 +112,7 @@ static ht_box4 write_any(const building *b, const uint16_t *order, uint32_t coun
                          ht_wide_leaf *leaf) {
     uint32_t prims[HT_LANES];
     for (uint32_t i = 0; i < count; ++i) prims[i] = b->id[order[i]];
-    return ht_wide_write_leaf(b->source, prims, count, leaf);
+    return ht_wide_write_leaf(b->isa, b->source, prims, count, leaf);
 }
 
 static uint32_t add_leaf(building *b, uint32_t start, uint32_t count, ht_box4 *box) {
@@ -144,6 +145,7 @@ void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32
     building b;
     ht_box4 box;
     b.source = source;
+    b.isa = tree->isa;
     b.nodes = (ht_wide_node *)tree->nodes;
     b.leaves = tree->leaves;
     b.next_node = errand->node;

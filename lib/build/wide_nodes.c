@@ -74,15 +74,25 @@ static ht_box4 fill_with_triangles(const ht_source *source, uint32_t triangles,
     return box;
 }
 
-ht_box4 ht_wide_fill_leaf(const ht_source *from, ht_wide_leaf *leaf) {
+static bool fill_eight(ht_isa isa, const ht_source *source, uint32_t triangles, ht_wide_leaf *leaf,
+                       ht_box4 *box) {
+#ifdef HT_X86
+    return isa >= HT_AVX2 && ht_wide_fill_avx2(source, triangles, leaf, box);
+#else
+    (void)isa, (void)source, (void)triangles, (void)leaf, (void)box;
+    return false;
+#endif
+}
+
+ht_box4 ht_wide_fill_leaf(ht_isa isa, const ht_source *from, ht_wide_leaf *leaf) {
     const ht_source source = *from; /* which no store can change */
+    ht_box4 box = ht_box4_empty();
     uint32_t triangles = 0;
     for (uint32_t i = 0; i < HT_LANES; ++i) triangles += leaf->prim[i] < source.triangle_count;
-    ht_box4 box = ht_box4_empty();
-    if (triangles > 0)
-        box = fill_with_triangles(&source, triangles, leaf);
-    else
+    if (triangles == 0)
         memset(leaf->v, 0, sizeof leaf->v);
+    else if (!fill_eight(isa, &source, triangles, leaf, &box))
+        box = fill_with_triangles(&source, triangles, leaf);
     for (uint32_t i = triangles; i < HT_LANES && leaf->prim[i] != HT_WIDE_NONE; ++i) {
         const ht_box4 object = ht_source_box(&source, leaf->prim[i]);
         ht_box4_add(&box, object.lo, object.hi);
@@ -90,10 +100,10 @@ ht_box4 ht_wide_fill_leaf(const ht_source *from, ht_wide_leaf *leaf) {
     return box;
 }
 
-ht_box4 ht_wide_write_leaf(const ht_source *source, const uint32_t *prims, uint32_t count,
-                           ht_wide_leaf *leaf) {
+ht_box4 ht_wide_write_leaf(ht_isa isa, const ht_source *source, const uint32_t *prims,
+                           uint32_t count, ht_wide_leaf *leaf) {
     order_prims(source, prims, count, leaf->prim);
-    return ht_wide_fill_leaf(source, leaf);
+    return ht_wide_fill_leaf(isa, source, leaf);
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
