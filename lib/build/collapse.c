@@ -1,140 +1,156 @@
 /* collapse.c: a finished binary hierarchy becomes a wide tree: eight children a node and eight
- * prims a leaf, for vector units. A node opens the largest of its boxes until it has eight; what
- * holds no more than eight prims becomes a leaf. Boxes are made tight, whatever the planes above
- * had left of them. / */
+ * prims a leaf, for vector units.
+ *
+ * Which joints become nodes and leaves is found from the bottom up: for each of them, what its subtree
+ * is expected to cost as one child of a node, as at most two of them, and so on (H. Ylitie, T. Karras,
+ * S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017). */
 #include "collapse.h"
+#include "joint.h"
 #include "wide.h"
-#include "tree/visit.h"
 
 enum {
-    BY_AREA_LEVELS = 16, /* below, nodes open what holds most: the tree stays within its levels */
-    CHILDREN = 3         /* that a binary node has at most, its shelf included */
+    BY_COST_LEVELS = 16 /* below, nodes open what holds most: the tree stays within its levels */
 };
 
-/* What hangs below a slot. */
-typedef struct subtree {
-    htree_box box;
-    uint32_t prims;
-} subtree;
+/* What eight boxes cost, and eight triangles. */
+static const float node_cost = 1.0f, leaf_cost = 1.5f;
 
 typedef struct collapsing {
-    const htree *tree;
-    subtree *subtrees; /* by slot */
-    uint32_t *order;   /* prims by leaf */
+    ht_joints joints;
+    uint32_t *plans; /* of joints: see share_of */
+    uint32_t *order; /* prims by leaf */
     uint32_t ordered;
     ht_wide_part part;
 } collapsing;
 
-/* ---- What there is -------------------------------------------------------------------------- */
-
-static htree_box box_of_prim(const htree *tree, uint32_t prim) {
-    htree_box box = ht_box_empty();
-    if (prim >= tree->triangle_count) return tree->object_boxes[prim - tree->triangle_count];
-    for (int k = 0; k < 3; ++k) ht_box_add_point(&box, tree->triangles[prim].v[k]);
-    return box;
+static const ht_joint *joint_at(const collapsing *c, uint32_t i) {
+    return ht_joint_at(&c->joints, i);
 }
 
-/* Writes the children of a node and returns how many; *own is what its own leaf holds. Apart from
- * the recursion, whose frames are small so. */
-static HT_NOINLINE uint32_t view_children(const htree *tree, const ht_place *place, ht_place *child,
-                                          subtree *own) {
-    ht_node_view view;
-    (void)ht_view_node(tree, place, NULL, &view);
-    own->box = ht_box_empty();
-    own->prims = view.prim_count;
-    for (uint32_t i = 0; i < view.prim_count; ++i) {
-        const htree_box box = box_of_prim(tree, view.prims[i]);
-        ht_box_add(&own->box, &box);
-    }
-    memcpy(child, view.child, view.child_count * sizeof *child);
-    return view.child_count;
+/* ---- The plan ------------------------------------------------------------------------------- */
+
+/* cost[i]: of a subtree as at most i + 1 children of a node. */
+typedef struct costs {
+    float cost[HT_LANES];
+} costs;
+
+/* How many of at most 2 <= i <= 8 children are below the left one: three bits of the plan for each i.
+ * 0: as with one child less. */
+static uint32_t share_of(uint32_t plan, uint32_t i) {
+    return plan >> 3 * (i - 2) & 7;
 }
 
-static subtree measure(collapsing *c, const ht_place *place) {
-    ht_place child[CHILDREN];
-    subtree all;
-    const uint32_t count = view_children(c->tree, place, child, &all);
-    for (uint32_t i = 0; i < count; ++i) {
-        const subtree below = measure(c, &child[i]);
-        ht_box_add(&all.box, &below.box);
-        all.prims += below.prims;
+/* The best shares of i children; returns their cost. */
+static float share_children(const costs *left, const costs *right, uint32_t i, uint32_t *share) {
+    float least = INFINITY;
+    *share = 1;
+    for (uint32_t k = 1; k < i; ++k) {
+        const float cost = left->cost[k - 1] + right->cost[i - k - 1];
+        if (cost < least) {
+            least = cost;
+            *share = k;
+        }
     }
-    c->subtrees[place->slot] = all;
+    return least;
+}
+
+static costs plan_joint(const ht_joint *joint, const costs *left, const costs *right,
+                        uint32_t *plan) {
+    const float area = ht_box_area(&joint->box);
+    costs all;
+    uint32_t share;
+    const float opened = share_children(left, right, HT_LANES, &share);
+    *plan = share << 3 * (HT_LANES - 2);
+    all.cost[0] = area * (joint->prims > HT_LANES ? node_cost : leaf_cost);
+    if (joint->prims > HT_LANES) all.cost[0] += opened;
+    for (uint32_t i = 2; i < HT_LANES; ++i) {
+        const float cost = share_children(left, right, i, &share);
+        const bool cheaper = cost < all.cost[i - 2];
+        all.cost[i - 1] = cheaper ? cost : all.cost[i - 2];
+        *plan |= (cheaper ? share : 0) << 3 * (i - 2);
+    }
+    all.cost[HT_LANES - 1] = opened < all.cost[HT_LANES - 2] ? opened : all.cost[HT_LANES - 2];
     return all;
+}
+
+static costs plan_subtree(const collapsing *c, uint32_t index) {
+    const ht_joint *joint = joint_at(c, index);
+    if (ht_joint_is_prim(joint)) {
+        costs one;
+        for (uint32_t i = 0; i < HT_LANES; ++i) one.cost[i] = ht_box_area(&joint->box) * leaf_cost;
+        return one;
+    }
+    const costs left = plan_subtree(c, joint->left), right = plan_subtree(c, joint->right);
+    return plan_joint(joint, &left, &right, &c->plans[index]);
 }
 
 /* ---- Leaves --------------------------------------------------------------------------------- */
 
-static void list_prims(collapsing *c, const ht_place *place) {
-    ht_node_view view;
-    (void)ht_view_node(c->tree, place, NULL, &view);
-    for (uint32_t i = 0; i < view.prim_count; ++i) c->order[c->ordered++] = view.prims[i];
-    for (uint32_t i = 0; i < view.child_count; ++i) list_prims(c, &view.child[i]);
+static void list_prims(collapsing *c, uint32_t index) {
+    const ht_joint *joint = joint_at(c, index);
+    if (ht_joint_is_prim(joint)) {
+        c->order[c->ordered++] = joint->left;
+        return;
+    }
+    list_prims(c, joint->left);
+    list_prims(c, joint->right);
 }
 
-static htree_status add_leaf(collapsing *c, const ht_place *place, uint32_t *child) {
+static htree_status add_leaf(collapsing *c, uint32_t index, uint32_t *child) {
     const uint32_t first = c->ordered;
-    list_prims(c, place);
+    list_prims(c, index);
     return ht_wide_add_leaf(&c->part, first, c->ordered - first, child);
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
 
-static uint32_t choose_place(const collapsing *c, const ht_place *places, uint32_t count,
-                             bool by_area) {
-    uint32_t best = count;
-    float most = -1;
-    for (uint32_t i = 0; i < count; ++i) {
-        const subtree *s = &c->subtrees[places[i].slot];
-        const float worth = by_area ? ht_box_area(&s->box) : (float)s->prims;
-        if (s->prims > HT_LANES && worth > most) {
-            most = worth;
-            best = i;
-        }
+/* Adds the at most `most` children that the plan makes of a subtree; returns their new count. */
+static uint32_t add_planned(const collapsing *c, uint32_t index, uint32_t most, uint32_t *children,
+                            uint32_t count) {
+    const ht_joint *joint = joint_at(c, index);
+    while (most > 1 && !ht_joint_is_prim(joint) && share_of(c->plans[index], most) == 0) --most;
+    if (most == 1 || ht_joint_is_prim(joint)) {
+        children[count] = index;
+        return count + 1;
     }
-    return best;
+    const uint32_t share = share_of(c->plans[index], most);
+    count = add_planned(c, joint->left, share, children, count);
+    return add_planned(c, joint->right, most - share, children, count);
 }
 
-/* The nearest node below, or the place itself, that branches. */
-static void view_branch(const collapsing *c, ht_place place, ht_node_view *view) {
-    (void)ht_view_node(c->tree, &place, NULL, view);
-    while (view->child_count == 1) {
-        place = view->child[0];
-        (void)ht_view_node(c->tree, &place, NULL, view);
-    }
-}
-
-static uint32_t open_places(const collapsing *c, const ht_place *place, uint32_t level,
-                            ht_place *places) {
+/* Opens what holds most, until there are eight. */
+static uint32_t open_largest(const collapsing *c, uint32_t index, uint32_t *children) {
     uint32_t count = 1;
-    places[0] = *place;
-    while (count + CHILDREN - 1 <= HT_LANES) {
-        const uint32_t chosen = choose_place(c, places, count, level < BY_AREA_LEVELS);
-        ht_node_view view;
-        if (chosen == count) break;
-        view_branch(c, places[chosen], &view);
-        places[chosen] = view.child[0];
-        for (uint32_t i = 1; i < view.child_count; ++i) places[count++] = view.child[i];
+    children[0] = index;
+    while (count < HT_LANES) {
+        uint32_t most = 0;
+        for (uint32_t i = 1; i < count; ++i)
+            if (joint_at(c, children[i])->prims > joint_at(c, children[most])->prims) most = i;
+        const ht_joint *joint = joint_at(c, children[most]);
+        if (joint->prims <= HT_LANES) break;
+        children[most] = joint->left;
+        children[count++] = joint->right;
     }
     return count;
 }
 
-static htree_status add_node(collapsing *c, const ht_place *place, uint32_t level, uint32_t waiting,
+static htree_status add_node(collapsing *c, uint32_t index, uint32_t level, uint32_t waiting,
                              uint32_t *slot) {
-    ht_place places[HT_LANES];
+    uint32_t children[HT_LANES], lane[HT_LANES];
     ht_wide_run runs[HT_LANES];
-    uint32_t lane[HT_LANES];
-    const uint32_t count = open_places(c, place, level, places);
-    for (uint32_t i = 0; i < count; ++i) runs[i].box = ht_box4_of(&c->subtrees[places[i].slot].box);
-    const ht_box4 box = ht_box4_of(&c->subtrees[place->slot].box);
+    const bool planned = level < BY_COST_LEVELS && joint_at(c, index)->prims > HT_LANES;
+    const uint32_t count =
+        planned ? add_planned(c, index, HT_LANES, children, 0) : open_largest(c, index, children);
+    for (uint32_t i = 0; i < count; ++i) runs[i].box = ht_box4_of(&joint_at(c, children[i])->box);
+    const ht_box4 box = ht_box4_of(&joint_at(c, index)->box);
     HT_TRY(ht_wide_write_node(&c->part, runs, count, &box, lane, slot));
     waiting += count - 1;
     if (waiting > c->part.deepest) c->part.deepest = waiting;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t child;
-        HT_TRY(c->subtrees[places[i].slot].prims > HT_LANES
-                   ? add_node(c, &places[i], level + 1, waiting, &child)
-                   : add_leaf(c, &places[i], &child));
+        HT_TRY(joint_at(c, children[i])->prims > HT_LANES
+                   ? add_node(c, children[i], level + 1, waiting, &child)
+                   : add_leaf(c, children[i], &child));
         ht_wide_set_child(&c->part, *slot, lane[i], child);
     }
     return HTREE_OK;
@@ -164,29 +180,36 @@ static htree_status write_tree(const collapsing *c, const ht_builder *builder) {
     return HTREE_OK;
 }
 
+static htree_status collapse(collapsing *c, const ht_builder *builder) {
+    ht_memory *memory = &builder->tree->memory;
+    uint32_t slot;
+    HT_TRY(ht_joints_read(&c->joints, builder->tree));
+    HT_TRY(ht_reinsert(builder, &c->joints));
+    const uint64_t plan_bytes = c->joints.all.count * sizeof *c->plans;
+    c->plans = (uint32_t *)ht_allocate(memory, plan_bytes);
+    if (!c->plans) return HTREE_ERROR_MEMORY;
+    (void)plan_subtree(c, c->joints.root);
+    const htree_status status = add_node(c, c->joints.root, 0, 0, &slot);
+    ht_release(memory, c->plans, plan_bytes);
+    return status;
+}
+
 htree_status ht_collapse(const ht_builder *builder) {
     htree *tree = builder->tree;
     ht_memory *memory = &tree->memory;
-    const ht_place root = ht_root_place(tree);
-    const uint64_t subtree_bytes = tree->node_slots * sizeof(subtree);
     const uint64_t order_bytes = tree->prim_count * sizeof(uint32_t);
     htree_status status = HTREE_ERROR_MEMORY;
     collapsing c;
-    uint32_t slot;
     if ((uint64_t)tree->triangle_count + tree->object_count >= HT_WIDE_PRIMS)
         return ht_fail(HTREE_ERROR_LIMIT, "a wide tree holds fewer than 2^30 - 1 objects");
     memset(&c, 0, sizeof c);
-    c.tree = tree;
     ht_wide_part_begin(&c.part, memory);
-    c.subtrees = (subtree *)ht_allocate(memory, subtree_bytes);
+    ht_array_begin(&c.joints.all, memory, sizeof(ht_joint));
     c.order = (uint32_t *)ht_allocate(memory, order_bytes);
-    if (c.subtrees && c.order) {
-        measure(&c, &root);
-        status = add_node(&c, &root, 0, 0, &slot);
-    }
+    if (c.order) status = collapse(&c, builder);
+    ht_array_end(&c.joints.all);
     if (status == HTREE_OK) status = write_tree(&c, builder);
     ht_release(memory, c.order, order_bytes);
-    ht_release(memory, c.subtrees, subtree_bytes);
     ht_wide_part_end(&c.part);
     return status;
 }
