@@ -13,7 +13,8 @@ typedef enum ht_isa { HT_PORTABLE, HT_NEON, HT_AVX2, HT_AVX512 } ht_isa;
 
 HT_INLINE ht_isa ht_isa_here(void) {
     __builtin_cpu_init();
-    if (!__builtin_cpu_supports("avx2")) return HT_PORTABLE;
+    const bool eight = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    if (!eight) return HT_PORTABLE;
     const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                       __builtin_cpu_supports("avx512dq");
     return wide ? HT_AVX512 : HT_AVX2;

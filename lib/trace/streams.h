@@ -23,16 +23,32 @@ enum {
 #define HT_STREAM_LEAST 8.673617379884035e-19f /* 2^-60 */
 #define HT_STREAM_FAR   1.099511627776e12f     /* 2^40 */
 
-/* A ray on its way. */
-typedef struct __attribute__((aligned(64))) stream {
-    ht_ray r;
-    htree_hit hit;
-    uint32_t near[3], far[3]; /* floats from a node to the planes that are met first, and last */
+/* What steps read of a ray: 32 words, so that vectors can write eight rays at a time. */
+typedef struct HT_ALIGNED(64) ready {
+    float rdir[3], enter[3], tnear, tmax; /* enter, leave: what step_node makes distances with */
+    float leave[3], tmin;
+    float first, slack;       /* tmin dz, and what that may be off by before it is scaled */
+    float dz, sx, sy, org[3]; /* as in ht_shear; org by kx, ky, kz */
+    uint32_t row[3];          /* floats from a corner's lanes to those of kx, ky, kz */
     uint32_t order;           /* the lane that is met first: a bit for each negative axis */
-    uint32_t bottom, top;     /* its stack: from the mark of the end to where it is */
-    float main, first, slack; /* dz, tmin dz, and what that may be off by before it is scaled */
-    const htree_ray *ray;
+    uint32_t near[3], far[3]; /* floats from a node to the planes that are met first, and last */
+    uint32_t unused[2];
+} ready;
+
+/* A ray on its way. */
+typedef struct HT_ALIGNED(64) stream {
+    ready r;
+    htree_hit hit;
+    uint32_t bottom, top; /* its stack: from the mark of the end to where it is */
+    uint64_t index;       /* in the block */
 } stream;
+
+/* Rays that are ready to go. */
+typedef struct supply {
+    ready ray[HT_LANES];
+    uint32_t left;        /* a bit for each */
+    uint64_t first, next; /* in the block: the ray of bit 0, and the first that is not ready */
+} supply;
 
 /* The rays in flight. Sets of them are words, a bit for each. */
 typedef struct streams {
@@ -51,11 +67,16 @@ HT_TARGET HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s
 
 /* A bit for every lane in use that the float signs do not reject: see triangle.h. Others that the
  * verdict would reject may be left out. */
-HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const stream *s);
+HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ready *r);
 
 /* As ht_expand_node and ht_expand_leaf. */
 HT_TARGET HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node);
 HT_TARGET HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf);
+
+/* Makes eight rays ready; returns those that have a way to go, by ht_ray_init. Those whose numbers are
+ * too large to be made ready go to *apart. */
+HT_TARGET HT_INLINE uint32_t make_ready(const htree_box *bounds, const htree_ray *rays, ready *out,
+                                        uint32_t *apart);
 
 /* Returns the rays that are not at a node; those that have their answer go to *ended too. */
 HT_TARGET HT_INLINE uint32_t sort_out(const uint32_t next[STREAMS], uint32_t *ended);
@@ -72,19 +93,22 @@ HT_TARGET HT_INLINE const ht_wide_leaf *leaf_of(const htree *tree, uint32_t chil
 
 /* One lane of a corner, as the verdict wants it. */
 HT_TARGET HT_INLINE void take_lane(const ht_wide_leaf *leaf, uint32_t corner, uint32_t lane,
-                                   const ht_shear *s, float p[3]) {
-    p[2] = leaf->v[corner][s->kz][lane] - s->org[s->kz];
-    p[0] = (leaf->v[corner][s->kx][lane] - s->org[s->kx]) - s->sx * p[2];
-    p[1] = (leaf->v[corner][s->ky][lane] - s->org[s->ky]) - s->sy * p[2];
+                                   const ready *r, float p[3]) {
+    const float *const v = &leaf->v[corner][0][lane];
+    p[2] = v[r->row[2]] - r->org[2];
+    p[0] = (v[r->row[0]] - r->org[0]) - r->sx * p[2];
+    p[1] = (v[r->row[1]] - r->org[1]) - r->sy * p[2];
 }
 
-HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf, stream *s,
-                                     bool any) {
+HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf,
+                                     const htree_ray *ray, htree_hit *hit, bool any) {
+    ht_ray r;
+    if (!ht_ray_init(&r, ray, &tree->bounds)) return false;
     for (uint32_t i = ht_wide_leaf_count(leaf); i > 0; --i) {
         const uint32_t prim = leaf->prim[i - 1];
         if (prim < tree->triangle_count) break;
-        if (!ht_meets_object(tree, prim, &s->r, s->hit.t)) continue;
-        if (ht_intersect_prim(tree, prim, s->ray, &s->r, &s->hit) && any) return true;
+        if (!ht_meets_object(tree, prim, &r, hit->t)) continue;
+        if (ht_intersect_prim(tree, prim, ray, &r, hit) && any) return true;
     }
     return false;
 }
@@ -135,8 +159,8 @@ HT_INLINE void fetch_leaves(const htree *tree, const streams *all, uint32_t set)
 }
 
 /* Returns the rays that have candidates: these stay where they are. */
-HT_TARGET HT_INLINE uint32_t visit_leaves(const htree *tree, streams *all, uint32_t set,
-                                          const bool any, const bool compact) {
+HT_TARGET HT_INLINE uint32_t visit_leaves(const htree *tree, const ht_block *block, streams *all,
+                                          uint32_t set, const bool any, const bool compact) {
     HT_ALIGNED(64) ht_wide_leaf room;
     uint32_t judged = 0;
     for (; set; set &= set - 1) {
@@ -147,8 +171,9 @@ HT_TARGET HT_INLINE uint32_t visit_leaves(const htree *tree, streams *all, uint3
             continue;
         }
         const ht_wide_leaf *leaf = leaf_of(tree, child, &room, compact);
-        uint32_t lanes = candidates(leaf, s);
-        if (HT_UNLIKELY(tree->object_count) && step_objects(tree, leaf, s, any)) {
+        uint32_t lanes = candidates(leaf, &s->r);
+        if (HT_UNLIKELY(tree->object_count) &&
+            step_objects(tree, leaf, block->rays + s->index, &s->hit, any)) {
             if (any) lanes = 0;
             leave_behind(all, s, any);
         }
@@ -172,8 +197,8 @@ HT_TARGET HT_INLINE void judge(const htree *tree, streams *all, uint32_t set, co
             const uint32_t lane = first_of(lanes);
             float p[3][3];
             htree_hit found;
-            for (uint32_t k = 0; k < 3; ++k) take_lane(leaf, k, lane, &s->r.shear, p[k]);
-            if (ht_triangle_verdict(&s->r.shear, p[0], p[1], p[2], s->r.tmin, s->hit.t, &found))
+            for (uint32_t k = 0; k < 3; ++k) take_lane(leaf, k, lane, &s->r, p[k]);
+            if (ht_triangle_verdict((double)s->r.dz, p[0], p[1], p[2], s->r.tmin, s->hit.t, &found))
                 met = ht_keep_nearer(&s->hit, &found, leaf->prim[lane]);
         }
         if (met) leave_behind(all, s, any);
@@ -183,42 +208,63 @@ HT_TARGET HT_INLINE void judge(const htree *tree, streams *all, uint32_t set, co
 
 /* ---- From ray to answer --------------------------------------------------------------------- */
 
-HT_INLINE void give_answer(const ht_block *block, const stream *s) {
-    const uint64_t index = (uint64_t)(s->ray - block->rays);
+HT_INLINE void give_answer(const ht_block *block, uint64_t index, const htree_hit *hit) {
     if (block->hits)
-        block->hits[index] = s->hit;
+        block->hits[index] = *hit;
     else
-        block->occluded[index] = s->hit.prim != HTREE_NONE;
+        block->occluded[index] = hit->prim != HTREE_NONE;
 }
 
-/* Puts a ray that is ready at the root. */
-HT_INLINE void set_out(stream *s) {
-    s->order = 0;
-    for (uint32_t axis = 0; axis < 3; ++axis) {
-        s->order |= s->r.negative[axis] << axis;
-        s->near[axis] = 8 * axis + 24 * s->r.negative[axis];
-        s->far[axis] = 16 * axis + 24 - s->near[axis];
+/* Answers a ray that has no way to go, or whose numbers are too large for streams. */
+static HT_NOINLINE void answer_apart(const htree *tree, const ht_block *block, uint64_t index) {
+    const htree_ray *ray = &block->rays[index];
+    htree_hit hit = {ray->tmax, 0, 0, HTREE_NONE};
+    ht_ray r;
+    if (ht_ray_init(&r, ray, &tree->bounds))
+        (block->hits ? ht_wide_walks.closest : ht_wide_walks.any)(tree, ray, &r, &hit, NULL);
+    give_answer(block, index, &hit);
+}
+
+/* Makes the next rays of the block ready; those without a way to go are answered at once. */
+HT_TARGET static HT_NOINLINE void refill(const htree *tree, const ht_block *block, supply *from) {
+    htree_ray last[HT_LANES];
+    const htree_ray *rays = &block->rays[from->next];
+    uint32_t all = (1u << HT_LANES) - 1, apart;
+    if (block->count - from->next < HT_LANES) {
+        const uint64_t count = block->count - from->next;
+        memset(last, 0, sizeof last);
+        memcpy(last, rays, count * sizeof *last);
+        rays = last;
+        all = (1u << count) - 1;
     }
-    s->main = (float)s->r.shear.dz;
-    s->first = s->r.tmin * s->main;
-    s->slack = s->r.reach <= HT_STREAM_FAR ? ht_magnitude(s->first) + HT_STREAM_LEAST : INFINITY;
-    s->top = s->bottom + 1;
+    from->left = make_ready(&tree->bounds, rays, from->ray, &apart) & all;
+    for (uint32_t set = all & ~from->left; set; set &= set - 1) {
+        const uint32_t i = first_of(set);
+        const htree_hit miss = {rays[i].tmax, 0, 0, HTREE_NONE};
+        if (HT_UNLIKELY(apart >> i & 1))
+            answer_apart(tree, block, from->next + i);
+        else
+            give_answer(block, from->next + i, &miss);
+    }
+    from->first = from->next;
+    from->next += HT_LANES;
 }
 
-/* The next ray that has a way to go; the others are answered at once. False after the last. */
-HT_TARGET HT_INLINE bool next_ray(const htree *tree, const ht_block *block, uint64_t *next,
+/* The next ray that has a way to go. False after the last. */
+HT_TARGET HT_INLINE bool next_ray(const htree *tree, const ht_block *block, supply *from,
                                   stream *s) {
-    while (*next < block->count) {
-        s->ray = &block->rays[(*next)++];
-        const htree_hit miss = {s->ray->tmax, 0, 0, HTREE_NONE};
-        s->hit = miss;
-        if (ht_ray_init(&s->r, s->ray, &tree->bounds)) {
-            set_out(s);
-            return true;
-        }
-        give_answer(block, s);
+    while (!from->left) {
+        if (from->next >= block->count) return false;
+        refill(tree, block, from);
     }
-    return false;
+    const uint32_t i = first_of(from->left);
+    const htree_hit miss = {from->ray[i].tmax, 0, 0, HTREE_NONE};
+    from->left &= from->left - 1;
+    s->r = from->ray[i];
+    s->hit = miss;
+    s->index = from->first + i;
+    s->top = s->bottom + 1;
+    return true;
 }
 
 /* Gives each ray its part of the stacks, and returns how many there are. */
@@ -233,13 +279,13 @@ HT_INLINE uint32_t share_stacks(const htree *tree, streams *all) {
 }
 
 /* Answers the rays of a set and puts new ones in their places; returns those that stay empty. */
-HT_TARGET HT_INLINE uint32_t answer(const htree *tree, const ht_block *block, uint64_t *next,
+HT_TARGET HT_INLINE uint32_t answer(const htree *tree, const ht_block *block, supply *from,
                                     streams *all, uint32_t set) {
     uint32_t empty = 0;
     for (; set; set &= set - 1) {
         const uint32_t i = first_of(set);
-        give_answer(block, &all->ray[i]);
-        if (next_ray(tree, block, next, &all->ray[i]))
+        give_answer(block, all->ray[i].index, &all->ray[i].hit);
+        if (next_ray(tree, block, from, &all->ray[i]))
             all->next[i] = 0;
         else
             empty |= (uint32_t)1 << i;
@@ -250,11 +296,13 @@ HT_TARGET HT_INLINE uint32_t answer(const htree *tree, const ht_block *block, ui
 HT_TARGET HT_INLINE void walk_block(const htree *tree, const ht_block *block, const bool any,
                                     const bool compact) {
     streams all;
+    supply from;
     const uint32_t count = share_stacks(tree, &all);
-    uint64_t next = 0;
     uint32_t flying = 0, judged = 0;
+    from.left = 0;
+    from.next = 0;
     for (uint32_t i = 0; i < STREAMS; ++i) {
-        const bool used = i < count && next_ray(tree, block, &next, &all.ray[i]);
+        const bool used = i < count && next_ray(tree, block, &from, &all.ray[i]);
         all.next[i] = used ? 0 : HT_WIDE_NONE;
         flying |= (uint32_t)used << i;
     }
@@ -264,9 +312,9 @@ HT_TARGET HT_INLINE void walk_block(const htree *tree, const ht_block *block, co
         const uint32_t leaves = elsewhere & ~ended & ~judged, verdicts = judged;
         if (!compact) fetch_leaves(tree, &all, leaves);
         visit_nodes(tree, &all, ~elsewhere, any, compact);
-        judged = visit_leaves(tree, &all, leaves, any, compact);
+        judged = visit_leaves(tree, block, &all, leaves, any, compact);
         judge(tree, &all, verdicts, any, compact);
-        flying &= ~answer(tree, block, &next, &all, ended & flying);
+        flying &= ~answer(tree, block, &from, &all, ended & flying);
     }
 }
 

@@ -61,9 +61,9 @@ HT_INLINE bool ht_shear_init(ht_shear *s, const htree_ray *ray) {
     return true;
 }
 
-/* The verdict in double, on sheared corners a, b, c = {x, y, z}. */
-HT_INLINE bool ht_triangle_verdict(const ht_shear *s, const float *a, const float *b,
-                                   const float *c, float tmin, float tmax, htree_hit *hit) {
+/* The verdict in double, on sheared corners a, b, c = {x, y, z}; dz as in ht_shear. */
+HT_INLINE bool ht_triangle_verdict(double dz, const float *a, const float *b, const float *c,
+                                   float tmin, float tmax, htree_hit *hit) {
     const double u = (double)c[0] * (double)b[1] - (double)c[1] * (double)b[0];
     const double v = (double)a[0] * (double)c[1] - (double)a[1] * (double)c[0];
     const double w = (double)b[0] * (double)a[1] - (double)b[1] * (double)a[0];
@@ -71,7 +71,7 @@ HT_INLINE bool ht_triangle_verdict(const ht_shear *s, const float *a, const floa
     const double det = u + v + w;
     if (det == 0) return false; /* the triangle is seen edge-on: its neighbours are hit */
     const double z = u * (double)a[2] + v * (double)b[2] + w * (double)c[2];
-    const float t = (float)(z / (det * s->dz));
+    const float t = (float)(z / (det * dz));
     if (!(tmin <= t && t <= tmax)) return false;
     hit->t = t;
     hit->u = (float)(v / det);
@@ -93,7 +93,7 @@ HT_INLINE bool ht_triangle_intersect(const ht_shear *s, const float *v0, const f
     const float v = p[0][0] * p[2][1] - p[0][1] * p[2][0];
     const float w = p[1][0] * p[0][1] - p[1][1] * p[0][0];
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-    return ht_triangle_verdict(s, p[0], p[1], p[2], tmin, tmax, hit);
+    return ht_triangle_verdict(s->dz, p[0], p[1], p[2], tmin, tmax, hit);
 }
 
 #endif

@@ -71,7 +71,7 @@ HT_INLINE bool intersect_leaf(const htree *tree, const ht_wide_leaf *leaf, const
         const float b[3] = {p[1][0][i], p[1][1][i], p[1][2][i]};
         const float c[3] = {p[2][0][i], p[2][1][i], p[2][2][i]};
         htree_hit found;
-        if (!ht_triangle_verdict(&r->shear, a, b, c, r->tmin, hit->t, &found)) continue;
+        if (!ht_triangle_verdict(r->shear.dz, a, b, c, r->tmin, hit->t, &found)) continue;
         if (any) return ht_keep_nearer(hit, &found, leaf->prim[i]);
         ht_keep_nearer(hit, &found, leaf->prim[i]);
     }

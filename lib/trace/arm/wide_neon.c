@@ -27,9 +27,9 @@ HT_INLINE uint32_t lanes_in(uint32x4_t low, uint32x4_t high, uint16x8_t bits) {
 
 HT_INLINE void clip_axis(const float *planes, const stream *s, int axis, float32x4_t *enter,
                          float32x4_t *leave) {
-    const float32x4_t near = vld1q_f32(planes + s->near[axis]);
-    const float32x4_t far = vld1q_f32(planes + s->far[axis]);
-    const float32x4_t from = vdupq_n_f32(s->r.entry[axis]), to = vdupq_n_f32(s->r.exit[axis]);
+    const float32x4_t near = vld1q_f32(planes + s->r.near[axis]);
+    const float32x4_t far = vld1q_f32(planes + s->r.far[axis]);
+    const float32x4_t from = vdupq_n_f32(s->r.enter[axis]), to = vdupq_n_f32(s->r.leave[axis]);
     *enter = vmaxnmq_f32(vmulq_n_f32(vsubq_f32(near, from), s->r.rdir[axis]), *enter);
     *leave = vminnmq_f32(vmulq_n_f32(vsubq_f32(far, to), s->r.rdir[axis]), *leave);
 }
@@ -59,7 +59,7 @@ HT_INLINE void store_words(void *to, uint8x16x2_t words, uint16x8_t from) {
 HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t *child,
                              float *tnear, const bool any) {
     const float *planes = &node->lo[0][0];
-    const uint32_t flip = any ? 0 : s->order ^ 7; /* what is met first comes last, on top */
+    const uint32_t flip = any ? 0 : s->r.order ^ 7; /* what is met first comes last, on top */
     float32x4_t enter[2];
     const uint32x4_t low = clip_half(planes, s, &enter[0]);
     const uint32x4_t high = clip_half(planes + 4, s, &enter[1]);
@@ -72,19 +72,30 @@ HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t
     return met >> 8;
 }
 
+HT_INLINE uint32_t keep_near(uint32_t *child, float *tnear, uint32_t count, float t) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        child[kept] = child[i];
+        tnear[kept] = tnear[i];
+        kept += tnear[kept] <= t;
+    }
+    return kept;
+}
+
 /* ---- Triangles ------------------------------------------------------------------------------ */
 
 typedef struct corner_lanes {
     float32x4_t x, y, z;
 } corner_lanes;
 
-HT_INLINE corner_lanes shear_corner(const float (*v)[HT_LANES], uint32_t lane, const ht_shear *s) {
-    const float32x4_t x = vsubq_f32(vld1q_f32(v[s->kx] + lane), vdupq_n_f32(s->org[s->kx]));
-    const float32x4_t y = vsubq_f32(vld1q_f32(v[s->ky] + lane), vdupq_n_f32(s->org[s->ky]));
+HT_INLINE corner_lanes shear_corner(const float (*v)[HT_LANES], uint32_t lane, const ready *r) {
+    const float *const lanes = v[0] + lane;
+    const float32x4_t x = vsubq_f32(vld1q_f32(lanes + r->row[0]), vdupq_n_f32(r->org[0]));
+    const float32x4_t y = vsubq_f32(vld1q_f32(lanes + r->row[1]), vdupq_n_f32(r->org[1]));
     corner_lanes c;
-    c.z = vsubq_f32(vld1q_f32(v[s->kz] + lane), vdupq_n_f32(s->org[s->kz]));
-    c.x = vsubq_f32(x, vmulq_n_f32(c.z, s->sx));
-    c.y = vsubq_f32(y, vmulq_n_f32(c.z, s->sy));
+    c.z = vsubq_f32(vld1q_f32(lanes + r->row[2]), vdupq_n_f32(r->org[2]));
+    c.x = vsubq_f32(x, vmulq_n_f32(c.z, r->sx));
+    c.y = vsubq_f32(y, vmulq_n_f32(c.z, r->sy));
     return c;
 }
 
@@ -93,10 +104,10 @@ HT_INLINE float32x4_t edge(corner_lanes a, corner_lanes b) {
 }
 
 /* All ones where no two signs differ: the ray may hit the triangle of a lane, of four. */
-HT_INLINE uint32x4_t may_hit(const ht_wide_leaf *leaf, uint32_t lane, const ht_shear *s) {
-    const corner_lanes a = shear_corner(leaf->v[0], lane, s);
-    const corner_lanes b = shear_corner(leaf->v[1], lane, s);
-    const corner_lanes c = shear_corner(leaf->v[2], lane, s);
+HT_INLINE uint32x4_t may_hit(const ht_wide_leaf *leaf, uint32_t lane, const ready *r) {
+    const corner_lanes a = shear_corner(leaf->v[0], lane, r);
+    const corner_lanes b = shear_corner(leaf->v[1], lane, r);
+    const corner_lanes c = shear_corner(leaf->v[2], lane, r);
     const float32x4_t u = edge(c, b), v = edge(a, c), w = edge(b, a);
     const uint32x4_t below = vcltzq_f32(vminnmq_f32(vminnmq_f32(u, v), w));
     const uint32x4_t above = vcgtzq_f32(vmaxnmq_f32(vmaxnmq_f32(u, v), w));
@@ -104,9 +115,8 @@ HT_INLINE uint32x4_t may_hit(const ht_wide_leaf *leaf, uint32_t lane, const ht_s
     return vbicq_u32(in_use, vandq_u32(below, above));
 }
 
-HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const stream *s) {
-    const ht_shear *const shear = &s->r.shear;
-    return lanes_in(may_hit(leaf, 0, shear), may_hit(leaf, 4, shear), lane_bits(0)) & 255;
+HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ready *r) {
+    return lanes_in(may_hit(leaf, 0, r), may_hit(leaf, 4, r), lane_bits(0)) & 255;
 }
 
 HT_INLINE void expand_node(const htree *tree, uint32_t slot, ht_wide_node *node) {
@@ -118,6 +128,42 @@ HT_INLINE void expand_leaf(const htree *tree, uint32_t index, ht_wide_leaf *leaf
 }
 
 /* ---- Rays ----------------------------------------------------------------------------------- */
+
+/* Box tests subtract and multiply here, so entry and exit are what they need. */
+HT_INLINE void write_ready(const ht_ray *r, float tmax, ready *out) {
+    const ht_shear *const s = &r->shear;
+    const uint32_t axes[3] = {s->kx, s->ky, s->kz};
+    memset(out, 0, sizeof *out);
+    for (uint32_t k = 0; k < 3; ++k) {
+        out->rdir[k] = r->rdir[k];
+        out->enter[k] = r->entry[k];
+        out->leave[k] = r->exit[k];
+        out->org[k] = s->org[axes[k]];
+        out->row[k] = HT_LANES * axes[k];
+        out->order |= r->negative[k] << k;
+        out->near[k] = HT_LANES * (k + 3 * r->negative[k]);
+        out->far[k] = HT_LANES * (k + 3 - 3 * r->negative[k]);
+    }
+    out->tnear = r->tnear;
+    out->tmin = r->tmin;
+    out->tmax = tmax;
+    out->dz = (float)s->dz;
+    out->sx = s->sx;
+    out->sy = s->sy;
+}
+
+HT_INLINE uint32_t make_ready(const htree_box *bounds, const htree_ray *rays, ready *out,
+                              uint32_t *apart) {
+    uint32_t ready_rays = 0;
+    *apart = 0;
+    for (uint32_t i = 0; i < HT_LANES; ++i) {
+        ht_ray r;
+        if (!ht_ray_init(&r, &rays[i], bounds)) continue;
+        write_ready(&r, rays[i].tmax, &out[i]);
+        ready_rays |= 1u << i;
+    }
+    return ready_rays;
+}
 
 HT_INLINE uint32_t sort_out(const uint32_t next[STREAMS], uint32_t *ended) {
     const uint16x8_t bits = lane_bits(0);

@@ -3,7 +3,7 @@
 #include "base/isa.h"
 
 #ifdef HT_X86
-#define HT_TARGET __attribute__((target("avx2,popcnt,bmi")))
+#define HT_TARGET __attribute__((target("avx2,fma,popcnt,bmi")))
 #include "trace/to_front.h"
 #include "trace/x86/wide_x86.h"
 
@@ -19,6 +19,10 @@ HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words
 HT_TARGET HT_INLINE __m256 larger(__m256 a, __m256 b) {
     const __m256 sign = _mm256_set1_ps(-0.0f);
     return _mm256_max_ps(_mm256_andnot_ps(sign, a), _mm256_andnot_ps(sign, b));
+}
+
+HT_TARGET HT_INLINE __m256 pick(__m256 mask, __m256 yes, __m256 no) {
+    return _mm256_blendv_ps(no, yes, mask);
 }
 
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx2_walks);

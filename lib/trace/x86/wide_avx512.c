@@ -2,7 +2,7 @@
 #include "base/isa.h"
 
 #ifdef HT_X86
-#define HT_TARGET __attribute__((target("avx2,popcnt,bmi,avx512f,avx512vl,avx512dq")))
+#define HT_TARGET __attribute__((target("avx2,fma,popcnt,bmi,avx512f,avx512vl,avx512dq")))
 #include "trace/x86/wide_x86.h"
 
 HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words, uint32_t *child,
@@ -15,6 +15,11 @@ HT_TARGET HT_INLINE uint32_t store_met(__m256 enter, __m256 leave, __m256i words
 
 HT_TARGET HT_INLINE __m256 larger(__m256 a, __m256 b) {
     return _mm256_range_ps(a, b, 11); /* the maximum, 3, of magnitudes, without a sign, 8 */
+}
+
+HT_TARGET HT_INLINE __m256 pick(__m256 mask, __m256 yes, __m256 no) {
+    return _mm256_castsi256_ps(_mm256_ternarylogic_epi32(
+        _mm256_castps_si256(mask), _mm256_castps_si256(yes), _mm256_castps_si256(no), 0xca));
 }
 
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx512_walks);

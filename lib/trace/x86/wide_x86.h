@@ -5,6 +5,8 @@
 
 #include "trace/streams.h"
 
+#include "trace/x86/ready_x86.h"
+
 #include <immintrin.h>
 
 /* Moves the lanes where enter <= leave to the front of child, and with tnear, of that; returns how
@@ -17,32 +19,46 @@ HT_TARGET HT_INLINE __m256 larger(__m256 a, __m256 b);
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
 
-HT_TARGET HT_INLINE void clip_axis(const float *planes, const stream *s, int axis, __m256 *enter,
+HT_TARGET HT_INLINE void clip_axis(const float *planes, const ready *r, int axis, __m256 *enter,
                                    __m256 *leave) {
-    const __m256 near = _mm256_load_ps(planes + s->near[axis]);
-    const __m256 far = _mm256_load_ps(planes + s->far[axis]);
-    const __m256 rdir = _mm256_broadcast_ss(&s->r.rdir[axis]);
-    const __m256 from = _mm256_broadcast_ss(&s->r.entry[axis]);
-    const __m256 to = _mm256_broadcast_ss(&s->r.exit[axis]);
-    *enter = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(near, from), rdir), *enter);
-    *leave = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(far, to), rdir), *leave);
+    const __m256 near = _mm256_load_ps(planes + r->near[axis]);
+    const __m256 far = _mm256_load_ps(planes + r->far[axis]);
+    const __m256 rdir = _mm256_broadcast_ss(&r->rdir[axis]);
+    const __m256 from = _mm256_broadcast_ss(&r->enter[axis]);
+    const __m256 to = _mm256_broadcast_ss(&r->leave[axis]);
+    *enter = _mm256_max_ps(_mm256_fmadd_ps(near, rdir, from), *enter);
+    *leave = _mm256_min_ps(_mm256_fmadd_ps(far, rdir, to), *leave);
 }
 
 HT_TARGET HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t *child,
                                        float *tnear, const bool any) {
     const float *planes = &node->lo[0][0];
     __m256 enter = _mm256_broadcast_ss(&s->r.tnear), leave = _mm256_broadcast_ss(&s->hit.t);
-    clip_axis(planes, s, 0, &enter, &leave);
-    clip_axis(planes, s, 1, &enter, &leave);
-    clip_axis(planes, s, 2, &enter, &leave);
+    clip_axis(planes, &s->r, 0, &enter, &leave);
+    clip_axis(planes, &s->r, 1, &enter, &leave);
+    clip_axis(planes, &s->r, 2, &enter, &leave);
     __m256i words = _mm256_load_si256((const __m256i *)(const void *)node->child);
     if (any) return store_met(enter, leave, words, child, NULL);
     const __m256i last = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
-    const __m256i order = _mm256_xor_si256(last, _mm256_set1_epi32((int)s->order));
+    const __m256i order = _mm256_xor_si256(last, _mm256_set1_epi32((int)s->r.order));
     enter = _mm256_permutevar8x32_ps(enter, order);
     leave = _mm256_permutevar8x32_ps(leave, order);
     words = _mm256_permutevar8x32_epi32(words, order);
     return store_met(enter, leave, words, child, tnear);
+}
+
+/* Eight at a time: what is written has been read. */
+HT_TARGET HT_INLINE uint32_t keep_near(uint32_t *child, float *tnear, uint32_t count, float t) {
+    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i += HT_LANES) {
+        const __m256i left = _mm256_set1_epi32((int)(count - i));
+        const __m256 waits = _mm256_castsi256_ps(_mm256_cmpgt_epi32(left, lane));
+        const __m256 near = pick(waits, _mm256_loadu_ps(tnear + i), spread(NAN));
+        const __m256i words = _mm256_loadu_si256((const __m256i *)(const void *)(child + i));
+        kept += store_met(near, spread(t), words, child + kept, tnear + kept);
+    }
+    return kept;
 }
 
 /* ---- Compact trees -------------------------------------------------------------------------- */
@@ -103,16 +119,17 @@ typedef struct corner_lanes {
 
 /* With x, y and z negated, which rounds the same way and changes no edge function: so corners are
  * subtracted where they lie in memory. */
-HT_TARGET HT_INLINE corner_lanes shear_corner(const float (*v)[HT_LANES], const ht_shear *s) {
-    const __m256 x = _mm256_broadcast_ss(&s->org[s->kx]);
-    const __m256 y = _mm256_broadcast_ss(&s->org[s->ky]);
-    const __m256 z = _mm256_sub_ps(_mm256_broadcast_ss(&s->org[s->kz]), _mm256_load_ps(v[s->kz]));
+HT_TARGET HT_INLINE corner_lanes shear_corner(const float (*v)[HT_LANES], const ready *r) {
+    const float *const lanes = v[0];
+    const __m256 x = _mm256_broadcast_ss(&r->org[0]), y = _mm256_broadcast_ss(&r->org[1]);
+    const __m256 z =
+        _mm256_sub_ps(_mm256_broadcast_ss(&r->org[2]), _mm256_load_ps(lanes + r->row[2]));
     corner_lanes c;
     c.z = z;
-    c.x = _mm256_sub_ps(_mm256_sub_ps(x, _mm256_load_ps(v[s->kx])),
-                        _mm256_mul_ps(_mm256_broadcast_ss(&s->sx), z));
-    c.y = _mm256_sub_ps(_mm256_sub_ps(y, _mm256_load_ps(v[s->ky])),
-                        _mm256_mul_ps(_mm256_broadcast_ss(&s->sy), z));
+    c.x = _mm256_sub_ps(_mm256_sub_ps(x, _mm256_load_ps(lanes + r->row[0])),
+                        _mm256_mul_ps(_mm256_broadcast_ss(&r->sx), z));
+    c.y = _mm256_sub_ps(_mm256_sub_ps(y, _mm256_load_ps(lanes + r->row[1])),
+                        _mm256_mul_ps(_mm256_broadcast_ss(&r->sy), z));
     return c;
 }
 
@@ -138,14 +155,14 @@ HT_TARGET HT_INLINE __m256 edge(corner_lanes a, corner_lanes b) {
  * products that underflow, by 2^-150, stay below the bound, and t cannot be rounded up to 0. Where
  * products might overflow, `slack` is infinite and nothing is rejected. */
 HT_TARGET HT_INLINE __m256 before_start(corner_lanes a, corner_lanes b, corner_lanes c, __m256 u,
-                                        __m256 v, __m256 w, const stream *s) {
-    const __m256 first = _mm256_broadcast_ss(&s->first), slack = _mm256_broadcast_ss(&s->slack);
+                                        __m256 v, __m256 w, const ready *r) {
+    const __m256 first = _mm256_broadcast_ss(&r->first), slack = _mm256_broadcast_ss(&r->slack);
     const __m256 det = _mm256_add_ps(_mm256_add_ps(u, v), w);
     const __m256 z = /* negated, as the corners are */
         _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(u, a.z), _mm256_mul_ps(v, b.z)),
                       _mm256_mul_ps(w, c.z));
     const __m256 below = _mm256_add_ps(z, _mm256_mul_ps(first, det));
-    const __m256 flip = _mm256_xor_ps(det, _mm256_broadcast_ss(&s->main));
+    const __m256 flip = _mm256_xor_ps(det, _mm256_broadcast_ss(&r->dz));
     const __m256 n = _mm256_xor_ps(below, _mm256_and_ps(flip, _mm256_set1_ps(-0.0f)));
     const __m256 xy = _mm256_mul_ps(larger(larger(a.x, b.x), c.x), larger(larger(a.y, b.y), c.y));
     const __m256 zs = _mm256_add_ps(larger(larger(a.z, b.z), c.z), slack);
@@ -153,17 +170,17 @@ HT_TARGET HT_INLINE __m256 before_start(corner_lanes a, corner_lanes b, corner_l
     return _mm256_cmp_ps(n, _mm256_mul_ps(bound, _mm256_set1_ps(3.814697265625e-6f)), _CMP_GT_OQ);
 }
 
-HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const stream *s) {
-    const corner_lanes a = shear_corner(leaf->v[0], &s->r.shear);
-    const corner_lanes b = shear_corner(leaf->v[1], &s->r.shear);
-    const corner_lanes c = shear_corner(leaf->v[2], &s->r.shear);
+HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ready *r) {
+    const corner_lanes a = shear_corner(leaf->v[0], r);
+    const corner_lanes b = shear_corner(leaf->v[1], r);
+    const corner_lanes c = shear_corner(leaf->v[2], r);
     const __m256 u = edge(c, b), v = edge(a, c), w = edge(b, a), zero = _mm256_setzero_ps();
     const __m256 least = _mm256_min_ps(_mm256_min_ps(u, v), w);
     const __m256 most = _mm256_max_ps(_mm256_max_ps(u, v), w);
     const __m256 outside = _mm256_and_ps(_mm256_cmp_ps(least, zero, _CMP_LT_OQ),
                                          _mm256_cmp_ps(most, zero, _CMP_GT_OQ));
     const __m256 idle = _mm256_load_ps((const float *)(const void *)leaf->prim);
-    const __m256 before = before_start(a, b, c, u, v, w, s);
+    const __m256 before = before_start(a, b, c, u, v, w, r);
     const __m256 rejected = _mm256_or_ps(_mm256_or_ps(outside, idle), before);
     return 255 & ~(uint32_t)_mm256_movemask_ps(rejected);
 }
