@@ -1,9 +1,10 @@
 /* collapse.c: a finished binary hierarchy becomes a wide tree: eight children a node and eight
  * prims a leaf, for vector units.
  *
- * Which joints become nodes and leaves is found from the bottom up: for each of them, what its subtree
- * is expected to cost as one child of a node, as at most two of them, and so on (H. Ylitie, T. Karras,
- * S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017). */
+ * Which joints become nodes and leaves is found from the bottom up: for each of them, what its
+ * subtree is expected to cost as one child of a node, as at most two of them, and so on (H.
+ * Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
+ * Wide BVHs", HPG 2017). */
 #include "collapse.h"
 #include "joint.h"
 #include "wide.h"
@@ -34,8 +35,8 @@ typedef struct costs {
     float cost[HT_LANES];
 } costs;
 
-/* How many of at most 2 <= i <= 8 children are below the left one: three bits of the plan for each i.
- * 0: as with one child less. */
+/* How many of at most 2 <= i <= 8 children are below the left one: three bits of the plan for
+ * each i. 0: as with one child less. */
 static uint32_t share_of(uint32_t plan, uint32_t i) {
     return plan >> 3 * (i - 2) & 7;
 }

@@ -1,5 +1,5 @@
-/* joint.c: reads a binary hierarchy of any kind. Nodes of one child are left out, and one of three is
- * two of two. */
+/* joint.c: reads a binary hierarchy of any kind. Nodes of one child are left out, and one of
+ * three is two of two. */
 #include "joint.h"
 #include "tree/visit.h"
 

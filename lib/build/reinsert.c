@@ -1,12 +1,13 @@
-/* reinsert.c: moves subtrees to where they cost less. The sum of all areas is what a random ray is
- * expected to visit; a move takes a joint out, which saves its parent, and puts it beside another one.
+/* reinsert.c: moves subtrees to where they cost less. The sum of all areas is what a random ray
+ * is expected to visit; a move takes a joint out, which saves its parent, and puts it beside
+ * another one.
  *
- * Each round looks for the best places of the subtrees with the largest boxes, all at once: from the
- * parent up, and below every sibling on the way as far as something can still be gained (J. Bittner,
- * M. Hapala, V. Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", CGF 2013;
- * D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF
- * 2018). Then moves are made in turn, the best first, but where an earlier one has changed the joints
- * around: so the result does not depend on threads. */
+ * Each round looks for the best places of the subtrees with the largest boxes, all at once: from
+ * the parent up, and below every sibling on the way as far as something can still be gained (J.
+ * Bittner, M. Hapala, V. Havran, "Fast Insertion-Based Optimization of Bounding Volume
+ * Hierarchies", CGF 2013; D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume
+ * Hierarchy Optimization", CGF 2018). Then moves are made in turn, the best first, but where an
+ * earlier one has changed the joints around: so the result does not depend on threads. */
 #include "joint.h"
 
 enum {

@@ -1,10 +1,11 @@
 /* ready_x86.h: makes eight rays ready at a time, a lane each: included by wide_x86.h.
  *
- * It does what ht_ray_init does, but for box tests in one rounded step: t = plane * rdir + enter, with
- * enter = -(entry * rdir). The error of that product is e |entry| in space, however near the plane
- * may be: so origins are moved by 4 e |org| here, where ray.h moves them by 2 e |org|. The proof there
- * holds otherwise: rdir carries a rounding, and the sum is rounded once, which is monotonic. FLT_MIN
- * more is for products that underflow. Where one overflows, the ray goes its way apart. */
+ * It does what ht_ray_init does, but for box tests in one rounded step: t = plane * rdir +
+ * enter, with enter = -(entry * rdir). The error of that product is e |entry| in space, however
+ * near the plane may be: so origins are moved by 4 e |org| here, where ray.h moves them by 2 e
+ * |org|. The proof there holds otherwise: rdir carries a rounding, and the sum is rounded once,
+ * which is monotonic. FLT_MIN more is for products that underflow. Where one overflows, the ray
+ * goes its way apart. */
 #ifndef HT_READY_X86_H
 #define HT_READY_X86_H
 
