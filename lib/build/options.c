@@ -47,7 +47,7 @@ static void resolve_preset(htree_options *options) {
     switch (options->kind) {
     case HTREE_FAST: options->flags |= HTREE_MORTON; break;
     case HTREE_BALANCED: break;
-    case HTREE_BEST:
+    case HTREE_BEST: options->axes = 3;
         options->flags |= HTREE_COLLAPSE;
         options->kind = HTREE_BVH_SAH;
         return;
