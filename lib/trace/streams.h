@@ -1,7 +1,7 @@
 /* streams.h: walks a wide tree with several rays at a time: included once per instruction set, which
  * defines HT_TARGET before, and after it what is declared here.
  *
- * One ray waits for memory and mispredicts its branches. Here 32 are in flight, and each round takes
+ * One ray waits for memory and mispredicts its branches. Here 64 are in flight, and each round takes
  * every one of them a step further: first those that are at a node, then those at a leaf, then those
  * that have candidates to judge, then those that are through. So a step is a short run of
  * instructions without a branch that data decide, and steps of several rays overlap in the core.
@@ -16,8 +16,8 @@
 #include "trace.h"
 
 enum {
-    STREAMS = 32,
-    WAITING = 3072 /* children that may wait: a deep tree has fewer rays in flight */
+    STREAMS = 64,  /* bits of a ray_set */
+    WAITING = 7168 /* children that may wait: a deep tree has fewer rays in flight */
 };
 
 #define HT_STREAM_LEAST 8.673617379884035e-19f /* 2^-60 */
@@ -50,7 +50,10 @@ typedef struct supply {
     uint64_t first, next; /* in the block: the ray of bit 0, and the first that is not ready */
 } supply;
 
-/* The rays in flight. Sets of them are words, a bit for each. */
+/* Some of the rays in flight: a bit for each. */
+typedef uint64_t ray_set;
+
+/* The rays in flight. */
 typedef struct streams {
     stream ray[STREAMS];
     uint32_t next[STREAMS];  /* where each is: child[top]; HT_WIDE_NONE: it has its answer */
@@ -79,7 +82,7 @@ HT_TARGET HT_INLINE uint32_t make_ready(const htree_box *bounds, const htree_ray
                                         uint32_t *apart);
 
 /* Returns the rays that are not at a node; those that have their answer go to *ended too. */
-HT_TARGET HT_INLINE uint32_t sort_out(const uint32_t next[STREAMS], uint32_t *ended);
+HT_TARGET HT_INLINE ray_set sort_out(const uint32_t next[STREAMS], ray_set *ended);
 
 /* ---- Leaves --------------------------------------------------------------------------------- */
 
@@ -128,11 +131,11 @@ HT_INLINE void leave_behind(streams *all, stream *s, const bool any) {
 
 /* ---- A step of each ray of a set ------------------------------------------------------------- */
 
-HT_INLINE uint32_t first_of(uint32_t set) {
-    return (uint32_t)__builtin_ctz(set);
+HT_INLINE uint32_t first_of(ray_set set) {
+    return (uint32_t)__builtin_ctzll(set);
 }
 
-HT_TARGET HT_INLINE void visit_nodes(const htree *tree, streams *all, uint32_t set, const bool any,
+HT_TARGET HT_INLINE void visit_nodes(const htree *tree, streams *all, ray_set set, const bool any,
                                      const bool compact) {
     HT_ALIGNED(64) ht_wide_node room;
     for (; set; set &= set - 1) {
@@ -150,7 +153,7 @@ HT_TARGET HT_INLINE void visit_nodes(const htree *tree, streams *all, uint32_t s
     }
 }
 
-HT_INLINE void fetch_leaves(const htree *tree, const streams *all, uint32_t set) {
+HT_INLINE void fetch_leaves(const htree *tree, const streams *all, ray_set set) {
     for (; set; set &= set - 1) {
         const uint32_t index = all->next[first_of(set)] & ~HT_WIDE_LEAF;
         const char *leaf = (const char *)tree->leaves + index * sizeof(ht_wide_leaf);
@@ -159,10 +162,10 @@ HT_INLINE void fetch_leaves(const htree *tree, const streams *all, uint32_t set)
 }
 
 /* Returns the rays that have candidates: these stay where they are. */
-HT_TARGET HT_INLINE uint32_t visit_leaves(const htree *tree, const ht_block *block, streams *all,
-                                          uint32_t set, const bool any, const bool compact) {
+HT_TARGET HT_INLINE ray_set visit_leaves(const htree *tree, const ht_block *block, streams *all,
+                                         ray_set set, const bool any, const bool compact) {
     HT_ALIGNED(64) ht_wide_leaf room;
-    uint32_t judged = 0;
+    ray_set judged = 0;
     for (; set; set &= set - 1) {
         const uint32_t i = first_of(set), child = all->next[i];
         stream *s = &all->ray[i];
@@ -178,14 +181,14 @@ HT_TARGET HT_INLINE uint32_t visit_leaves(const htree *tree, const ht_block *blo
             leave_behind(all, s, any);
         }
         all->lanes[i] = lanes;
-        judged |= (uint32_t)(lanes != 0) << i;
+        judged |= (ray_set)(lanes != 0) << i;
         s->top -= lanes == 0;
         all->next[i] = all->child[s->top];
     }
     return judged;
 }
 
-HT_TARGET HT_INLINE void judge(const htree *tree, streams *all, uint32_t set, const bool any,
+HT_TARGET HT_INLINE void judge(const htree *tree, streams *all, ray_set set, const bool any,
                                const bool compact) {
     HT_ALIGNED(64) ht_wide_leaf room;
     for (; set; set &= set - 1) {
@@ -238,7 +241,7 @@ HT_TARGET static HT_NOINLINE void refill(const htree *tree, const ht_block *bloc
         all = (1u << count) - 1;
     }
     from->left = make_ready(&tree->bounds, rays, from->ray, &apart) & all;
-    for (uint32_t set = all & ~from->left; set; set &= set - 1) {
+    for (ray_set set = all & ~from->left; set; set &= set - 1) {
         const uint32_t i = first_of(set);
         const htree_hit miss = {rays[i].tmax, 0, 0, HTREE_NONE};
         if (HT_UNLIKELY(apart >> i & 1))
@@ -279,16 +282,16 @@ HT_INLINE uint32_t share_stacks(const htree *tree, streams *all) {
 }
 
 /* Answers the rays of a set and puts new ones in their places; returns those that stay empty. */
-HT_TARGET HT_INLINE uint32_t answer(const htree *tree, const ht_block *block, supply *from,
-                                    streams *all, uint32_t set) {
-    uint32_t empty = 0;
+HT_TARGET HT_INLINE ray_set answer(const htree *tree, const ht_block *block, supply *from,
+                                   streams *all, ray_set set) {
+    ray_set empty = 0;
     for (; set; set &= set - 1) {
         const uint32_t i = first_of(set);
         give_answer(block, all->ray[i].index, &all->ray[i].hit);
         if (next_ray(tree, block, from, &all->ray[i]))
             all->next[i] = 0;
         else
-            empty |= (uint32_t)1 << i;
+            empty |= (ray_set)1 << i;
     }
     return empty;
 }
@@ -298,18 +301,18 @@ HT_TARGET HT_INLINE void walk_block(const htree *tree, const ht_block *block, co
     streams all;
     supply from;
     const uint32_t count = share_stacks(tree, &all);
-    uint32_t flying = 0, judged = 0;
+    ray_set flying = 0, judged = 0;
     from.left = 0;
     from.next = 0;
     for (uint32_t i = 0; i < STREAMS; ++i) {
         const bool used = i < count && next_ray(tree, block, &from, &all.ray[i]);
         all.next[i] = used ? 0 : HT_WIDE_NONE;
-        flying |= (uint32_t)used << i;
+        flying |= (ray_set)used << i;
     }
     while (flying) {
-        uint32_t ended;
-        const uint32_t elsewhere = sort_out(all.next, &ended);
-        const uint32_t leaves = elsewhere & ~ended & ~judged, verdicts = judged;
+        ray_set ended;
+        const ray_set elsewhere = sort_out(all.next, &ended);
+        const ray_set leaves = elsewhere & ~ended & ~judged, verdicts = judged;
         if (!compact) fetch_leaves(tree, &all, leaves);
         visit_nodes(tree, &all, ~elsewhere, any, compact);
         judged = visit_leaves(tree, block, &all, leaves, any, compact);

@@ -66,7 +66,9 @@ HT_INLINE void trace_ray(const htree *tree, ht_walk *walk, const htree_ray *ray,
 
 /* ---- A batch -------------------------------------------------------------------------------- */
 
-enum { BLOCK = 512 }; /* rays a task: long against the cost of claiming it, short against a frame */
+/* Rays a task: long against its beginning and its end, when fewer rays are in flight; in small batches
+ * shorter, so that there are tasks for all threads. */
+enum { BLOCK = 2048, SHORTEST_BLOCK = 256, TASKS_A_THREAD = 8 };
 
 typedef struct batch {
     const htree *tree;
@@ -154,7 +156,9 @@ static uint64_t run_strips(batch *b, uint32_t threads) {
 }
 
 static void run_blocks(batch *b, uint32_t threads) {
+    const uint32_t wanted = TASKS_A_THREAD * ht_thread_count(&b->tree->tasks, threads);
     uint64_t block = BLOCK;
+    while (block > SHORTEST_BLOCK && b->count / block < wanted) block /= 2;
     while (b->count / block >= UINT32_MAX / 4) block *= 2;
     b->block = (uint32_t)block;
     const uint32_t blocks = (uint32_t)((b->count + block - 1) / block);

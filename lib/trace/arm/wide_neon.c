@@ -165,15 +165,16 @@ HT_INLINE uint32_t make_ready(const htree_box *bounds, const htree_ray *rays, re
     return ready_rays;
 }
 
-HT_INLINE uint32_t sort_out(const uint32_t next[STREAMS], uint32_t *ended) {
+HT_INLINE ray_set sort_out(const uint32_t next[STREAMS], ray_set *ended) {
     const uint16x8_t bits = lane_bits(0);
-    uint32_t elsewhere = 0;
+    ray_set elsewhere = 0;
     *ended = 0;
     for (uint32_t i = 0; i < STREAMS; i += HT_LANES) {
         const uint32x4_t none = vdupq_n_u32(HT_WIDE_NONE), leaf = vdupq_n_u32(HT_WIDE_LEAF);
         const uint32x4_t low = vld1q_u32(next + i), high = vld1q_u32(next + i + 4);
-        elsewhere |= (lanes_in(vcgeq_u32(low, leaf), vcgeq_u32(high, leaf), bits) & 255) << i;
-        *ended |= (lanes_in(vceqq_u32(low, none), vceqq_u32(high, none), bits) & 255) << i;
+        elsewhere |= (ray_set)(lanes_in(vcgeq_u32(low, leaf), vcgeq_u32(high, leaf), bits) & 255)
+                     << i;
+        *ended |= (ray_set)(lanes_in(vceqq_u32(low, none), vceqq_u32(high, none), bits) & 255) << i;
     }
     return elsewhere;
 }
