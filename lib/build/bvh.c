@@ -58,8 +58,8 @@ static void split_range(const bvh_build *build, const bvh_range *at, bvh_range *
     const uint32_t count = split.left_count, rest = at->count - count, next = at->level + 1;
     const bvh_range l = {at->below, at->below + 2, at->first,
                          count,     next,          ht_box4_box(&split.left)};
-    const bvh_range r = {at->below + 1, at->below + 2 * count, at->first + count, rest, next,
-                         split.right};
+    const bvh_range r = {at->below + 1, at->below + 2 * count,    at->first + count, rest,
+                         next,          ht_box4_box(&split.right)};
     *left = l;
     *right = r;
 }
