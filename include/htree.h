@@ -351,7 +351,8 @@ HTREE_API htree_status htree_load_options_init(htree_load_options *options, uint
 /* Makes a tree of what htree_save wrote, `size` bytes and no more; the caller frees *out with
  * htree_free. The hits are those of the tree that was saved. Any bytes may be given: a tree is
  * returned only if htree_check passes it, and no more memory is taken than twice the file and 1 KiB.
- * htree_update rebuilds such a tree with the defaults of its kind.
+ * htree_update rebuilds such a tree with the options that it was built with; threads, allocator and
+ * tasks are those given here.
  * With HTREE_BORROW the file, which may be mapped, lies at a multiple of 64 bytes, and stays as it
  * is until htree_free or the first htree_update.
  * Errors     ARGUMENT; CORRUPT; MEMORY; UNSUPPORTED: written by another version of the format, or

@@ -143,6 +143,59 @@ static void a_loaded_tree_can_be_updated(void **state) {
     }
 }
 
+/* One of the ways to build a tree that are not the defaults of its kind; false after the last. */
+static bool other_options(uint32_t number, htree_options *options) {
+    static const struct {
+        htree_kind kind;
+        uint32_t flags;
+    } ways[] = {
+        {HTREE_FAST, 0},
+        {HTREE_BEST, 0},
+        {HTREE_BEST, HTREE_COMPACT | HTREE_STRICT},
+        {HTREE_AH, HTREE_ANY_PLANES | HTREE_LOOSE_PLANES},
+        {HTREE_AH, HTREE_COLLAPSE},
+        {HTREE_KD, HTREE_COLLAPSE},
+        {HTREE_WIDE, HTREE_COMPACT},
+        {HTREE_WIDE, HTREE_LAZY},
+        {HTREE_WIDE, HTREE_LAZY | HTREE_MORTON},
+    };
+    if (number >= COUNT_OF(ways)) return false;
+    *options = options_of(ways[number].kind);
+    options->flags |= ways[number].flags;
+    options->threads = 1;
+    options->buckets = 5 + number;
+    options->axes = number % 2 ? 1 : 3;
+    options->few_prims = 7 + number;
+    options->cells_per_prim = 0.25f + (float)number;
+    options->cost_intersect = 2;
+    return true;
+}
+
+static void a_loaded_tree_is_rebuilt_as_it_was_built(void **state) {
+    htree_options options;
+    seed_scene scene;
+    (void)state;
+    seed_scene_make(&scene, SEED_KNOT, 3000);
+    for (uint32_t number = 0; other_options(number, &options); ++number) {
+        htree *const tree = tree_of(&scene.input, &options);
+        assert_int_equal(htree_complete(tree), HTREE_OK);
+        saved file = saved_of(tree);
+        htree *back = NULL;
+        const htree_load_options load = seed_load_options(&scene);
+        assert_int_equal(htree_load(&back, file.bytes, file.size, &load), HTREE_OK);
+        assert_int_equal(htree_update(back, &scene.input, HTREE_REBUILD, NULL), HTREE_OK);
+        assert_int_equal(htree_complete(back), HTREE_OK);
+        saved again = saved_of(back);
+        assert_int_equal(again.size, file.size);
+        assert_memory_equal(again.bytes, file.bytes, file.size);
+        htree_free(back);
+        htree_free(tree);
+        saved_free(&file);
+        saved_free(&again);
+    }
+    seed_scene_free(&scene);
+}
+
 static void a_lazy_tree_is_saved_when_it_is_complete(void **state) {
     seed_scene scene;
     uint64_t size = 5;
@@ -306,6 +359,7 @@ int main(void) {
         cmocka_unit_test(a_saved_tree_comes_back),
         cmocka_unit_test(a_tree_has_one_file),
         cmocka_unit_test(a_loaded_tree_can_be_updated),
+        cmocka_unit_test(a_loaded_tree_is_rebuilt_as_it_was_built),
         cmocka_unit_test(saving_needs_room),
         cmocka_unit_test(loading_refuses_bad_arguments),
         cmocka_unit_test(every_allocation_may_fail),

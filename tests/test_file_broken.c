@@ -230,6 +230,48 @@ static void other_versions_and_byte_orders_are_told_apart(void **state) {
     patient_end(&p);
 }
 
+/* htree_update would build with them. */
+static void options_that_there_are_not_are_refused(void **state) {
+    static const struct {
+        uint64_t offset;
+        uint32_t words[5]; /* up to a zero */
+        htree_status status;
+    } cases[] = {
+        {offsetof(ht_file_header, built_as),
+         {HTREE_UG, HTREE_BVH_SAH, HTREE_FAST, 9, UINT32_MAX},
+         HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, flags),
+         {HTREE_LAZY | HTREE_COMPACT, 128, UINT32_MAX},
+         HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, flags), {1, 2, 4, HTREE_MORTON, HTREE_LAZY}, HTREE_OK},
+        {offsetof(ht_file_header, buckets), {1, 65, UINT32_MAX}, HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, buckets), {2, 64}, HTREE_OK},
+        {offsetof(ht_file_header, axes), {2, 4}, HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, few_prims), {(1 << 20) + 1, UINT32_MAX}, HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, cells_per_prim),
+         {1, 0x42800001, 0x7f800000, 0x7fc00000, 0xbf800000},
+         HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, cost[3]), {0x7fc00000, 0xbf800000}, HTREE_ERROR_CORRUPT},
+        {offsetof(ht_file_header, spare[4]), {1}, HTREE_ERROR_CORRUPT},
+    };
+    patient p;
+    (void)state;
+    patient_begin(&p, HTREE_WIDE, SEED_KNOT, 12);
+    for (uint32_t i = 0; i < COUNT_OF(cases); ++i) {
+        for (uint32_t k = 0; k < COUNT_OF(cases[i].words) && cases[i].words[k] != 0; ++k) {
+            set_word(&p, cases[i].offset, cases[i].words[k]);
+            load_as(&p, cases[i].status);
+        }
+    }
+    for (uint64_t field = offsetof(ht_file_header, built_as);
+         field < offsetof(ht_file_header, spare); field += 4) {
+        if (field == offsetof(ht_file_header, flags)) continue;
+        set_word(&p, field, 0);
+        load_as(&p, HTREE_ERROR_CORRUPT);
+    }
+    patient_end(&p);
+}
+
 /* The slots of a bounding node are counted by the planes that a walk knows. */
 static void sets_of_unknown_planes_are_refused(void **state) {
     patient p;
@@ -315,6 +357,7 @@ int main(void) {
         cmocka_unit_test(sealed_words_do_no_harm),
         cmocka_unit_test(counts_are_not_believed),
         cmocka_unit_test(other_versions_and_byte_orders_are_told_apart),
+        cmocka_unit_test(options_that_there_are_not_are_refused),
         cmocka_unit_test(sets_of_unknown_planes_are_refused),
         cmocka_unit_test(grids_of_other_cells_are_refused),
         cmocka_unit_test(idle_lanes_that_rays_could_meet_are_refused),

@@ -2,10 +2,10 @@
 #include "build.h"
 #include "collapse.h"
 #include "mesh.h"
-#include "options.h"
 #include "refit.h"
 #include "wide.h"
 #include "base/clock.h"
+#include "tree/options.h"
 
 /* The kinds that can be built. Adding one: a builder file, a row here, a row in trace/trace.c and
  * one in tree/visit.c. */

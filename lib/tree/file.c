@@ -79,6 +79,12 @@ static ht_file_header header_of(const htree *tree) {
     h.cost[2] = tree->cost_bv6;
     h.cost[3] = tree->cost_intersect;
     h.grid = tree->grid;
+    h.built_as = tree->options.kind;
+    h.flags = tree->options.flags;
+    h.buckets = tree->options.buckets;
+    h.axes = tree->options.axes;
+    h.few_prims = tree->options.few_prims;
+    h.cells_per_prim = tree->options.cells_per_prim;
     return h;
 }
 

@@ -12,7 +12,7 @@
 #include "tree.h"
 
 #define HT_FILE_ORDER  0x01020304u
-#define HT_FILE_FORMAT 1u /* one more for every change of the header or of layout.h */
+#define HT_FILE_FORMAT 2u /* one more for every change of the header or of layout.h */
 
 typedef struct ht_file_header {
     char magic[8];
@@ -28,7 +28,10 @@ typedef struct ht_file_header {
     uint64_t invalid, degenerate;
     float cost[4]; /* skd, bv2, bv6, intersect */
     ht_ug_grid grid;
-    uint32_t spare[11];
+    htree_kind built_as; /* options.kind, which is another than the tree's when it was collapsed */
+    uint32_t flags, buckets, axes, few_prims;
+    float cells_per_prim;
+    uint32_t spare[5];
 } ht_file_header;
 
 extern const char ht_file_magic[8];

@@ -2,6 +2,7 @@
  * before anything is allocated, numbers and boxes are computed anew, and htree_check proves the nodes,
  * because walks have no checks of their own. */
 #include "file.h"
+#include "options.h"
 #include "base/clock.h"
 #include "base/sized.h"
 
@@ -78,6 +79,34 @@ static bool has_fitting_parts(const ht_file_header *h) {
            is_zero(h->spare, sizeof h->spare);
 }
 
+/* What the tree was built with, and htree_update builds it with again. */
+static htree_options build_options(const ht_file_header *h) {
+    htree_options options;
+    htree_options_init(&options, sizeof options, h->kind);
+    options.kind = h->built_as;
+    options.flags = h->flags;
+    options.buckets = h->buckets;
+    options.axes = h->axes;
+    options.few_prims = h->few_prims;
+    options.cells_per_prim = h->cells_per_prim;
+    options.cost_skd = h->cost[0];
+    options.cost_bv2 = h->cost[1];
+    options.cost_bv6 = h->cost[2];
+    options.cost_intersect = h->cost[3];
+    return options;
+}
+
+/* The tree is of the kind that was asked for, or it was collapsed. */
+static htree_status check_build(const ht_file_header *h) {
+    const htree_options options = build_options(h);
+    htree_options same;
+    const bool collapsed = h->kind == HTREE_WIDE && h->built_as >= HTREE_BVH_MEDIAN &&
+                           h->built_as <= HTREE_AH && (h->flags & HTREE_COLLAPSE) != 0;
+    if ((h->built_as != h->kind && !collapsed) || ht_options_read(&options, &same) != HTREE_OK)
+        return corrupt("the tree was built with options that there are not");
+    return HTREE_OK;
+}
+
 static htree_status read_header(const void *file, uint64_t size, ht_file_header *h,
                                 ht_file_plan *plan) {
     if (size < sizeof *h) return corrupt("the file is shorter than its header");
@@ -94,9 +123,7 @@ static htree_status read_header(const void *file, uint64_t size, ht_file_header 
         !has_fitting_parts(h)) {
         return corrupt("the header contradicts itself");
     }
-    for (int i = 0; i < 4; ++i) {
-        if (!is_positive(h->cost[i], 1e6f)) return corrupt("a cost is none");
-    }
+    HT_TRY(check_build(h));
     for (int i = 0; i < HT_FILE_PARTS; ++i) {
         const uint64_t end = i + 1 < HT_FILE_PARTS ? plan->offset[i + 1] : plan->end;
         const uint64_t used = plan->offset[i] + plan->bytes[i];
@@ -106,18 +133,6 @@ static htree_status read_header(const void *file, uint64_t size, ht_file_header 
 }
 
 /* ---- The arrays ----------------------------------------------------------------------------- */
-
-/* What htree_update rebuilds by: the defaults of the kind, with the costs of the tree. */
-static void set_options(htree *tree, const htree_load_options *given) {
-    htree_options_init(&tree->options, sizeof tree->options, tree->kind);
-    tree->options.threads = tree->threads;
-    tree->options.cost_skd = tree->cost_skd;
-    tree->options.cost_bv2 = tree->cost_bv2;
-    tree->options.cost_bv6 = tree->cost_bv6;
-    tree->options.cost_intersect = tree->cost_intersect;
-    tree->options.allocator = given->allocator;
-    tree->options.tasks = given->tasks;
-}
 
 static htree *tree_new(const ht_file_header *h, const htree_load_options *options) {
     ht_memory memory = {options->allocator, 0, 0, NULL};
@@ -146,7 +161,10 @@ static htree *tree_new(const ht_file_header *h, const htree_load_options *option
     tree->cost_bv2 = h->cost[1];
     tree->cost_bv6 = h->cost[2];
     tree->cost_intersect = h->cost[3];
-    set_options(tree, options);
+    tree->options = build_options(h);
+    tree->options.threads = options->threads;
+    tree->options.allocator = options->allocator;
+    tree->options.tasks = options->tasks;
     return tree;
 }
 
