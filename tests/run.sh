@@ -1,10 +1,10 @@
 #!/bin/sh
 # run.sh CONFIG...: runs every test program of each config (release debug sanitize tsan coverage), two
-# at a time; and tests/NAME.sh for every other word that it knows. The last line is `N passed, N
-# failed`.
+# at a time; and tests/NAME.sh for every other word that it knows, one after the other beside them. What
+# the programs of release counted is held against tests/bars.txt. The last line is `N passed, N failed`.
 #
-# HTREE_TEST_SCALE, if set, replaces the scale of every config; JOBS replaces the number of programs
-# that run at once.
+# HTREE_TEST_SCALE, if set, replaces the scale of every config, and no bar is held; JOBS replaces the
+# number of programs that run at once.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 LIMIT=600 # seconds a program
@@ -65,6 +65,26 @@ run_program() {
 $more}"
 }
 
+# Adds up what the programs of release tallied, as `NUMBER NAME`, and appends to file $1 how many of the
+# bars are met.
+hold_bars() {
+    for source in tests/test_*.c; do sed -n 's/^tally: //p' "build/release/tests/$(basename "$source" .c).log"; done \
+        2>/dev/null | awk -v results="$1" -v whole="$([ -z "${HTREE_TEST_SCALE-}" ] && echo 1)" '
+        /^#/ { next }
+        { name = $0; sub(/^[0-9]+ /, "", name) }
+        NR == FNR { bar[name] = $1; order[++bars] = name; next }
+        { sum[name] += $1 }
+        END {
+            for (i = 1; i <= bars; ++i) {
+                name = order[i]
+                if (!whole) { printf "%12d %s\n", sum[name], name; continue }
+                met = sum[name] >= bar[name]
+                printf "%-6s %12d %s, %d at least\n", met ? "ok" : "FAILED", sum[name], name, bar[name]
+                print met, !met >> results
+            }
+        }' tests/bars.txt -
+}
+
 # Runs tests/$1.sh, which prints `ok`, `FAILED` or `skipped` for each rule, and appends to file $2.
 run_script() {
     log=build/$1.log
@@ -79,32 +99,47 @@ run_script() {
     echo "$passed $failed" >>"$2"
 }
 
-if [ "${1-}" = --program ]; then
+case ${1-} in
+--program)
     run_program "$2" "$3" "$4"
     exit 0
-fi
+    ;;
+--scripts)
+    results=$2
+    shift 2
+    for name in "$@"; do run_script "$name" "$results"; done
+    exit 0
+    ;;
+esac
+
+# Prints a line of arguments for this script for each program of config $1, whose results go to file $2.
+list_programs() {
+    programs=$(find "build/$1/tests" -maxdepth 1 -type f -name 'test_*' ! -name '*.*' 2>/dev/null | sort)
+    if [ -z "$programs" ]; then
+        echo "FAILED $1: no programs in build/$1/tests: make config=$1 tests" >&2
+        echo "0 1" >>"$2"
+    fi
+    for program in $programs; do
+        # A program whose source is gone is left over from an earlier build.
+        if [ -f "tests/$(basename "$program").c" ] && suits "$1" "$program"; then echo "--program $1 $program $2"; fi
+    done
+}
 
 mkdir -p build
 results=$(mktemp build/results.XXXXXX) || exit 1
 trap 'rm -f "$results"' EXIT
-for config in "$@"; do
-    case $config in
-    house | bench | kernels | oclgrind | arm | install | onefile | dist | docs | mpi)
-        run_script "$config" "$results"
-        continue
-        ;;
+scripts='' configs=''
+for word in "$@"; do
+    case $word in
+    release | debug | sanitize | tsan | coverage) configs="$configs $word" ;;
+    *) scripts="$scripts $word" ;;
     esac
-    programs=$(find "build/$config/tests" -maxdepth 1 -type f -name 'test_*' ! -name '*.*' 2>/dev/null | sort)
-    if [ -z "$programs" ]; then
-        echo "FAILED $config: no programs in build/$config/tests: make config=$config tests"
-        echo "0 1" >>"$results"
-        continue
-    fi
-    for program in $programs; do
-        # A program whose source is gone is left over from an earlier build.
-        if [ -f "tests/$(basename "$program").c" ] && suits "$config" "$program"; then echo "$config $program $results"; fi
-    done | xargs -P "${JOBS:-2}" -n 3 sh tests/run.sh --program
 done
+{
+    [ -z "$scripts" ] || echo "--scripts $results$scripts"
+    for config in $configs; do list_programs "$config" "$results"; done
+} | xargs -P "${JOBS:-2}" -L 1 sh tests/run.sh
+case $configs in *release*) hold_bars "$results" ;; esac
 
 awk '{ passed += $1; failed += $2 }
     END { printf "%d passed, %d failed\n", passed, failed; exit passed + failed == 0 || failed > 0 }' "$results"

@@ -133,5 +133,6 @@ int main(void) {
     const int failed = cmocka_run_group_tests_name("ah", tests, NULL, NULL);
     say("%llu trees proved, %llu rays, 0 differences", (unsigned long long)trees_proved,
         (unsigned long long)rays_compared);
+    tally("oracle rays", rays_compared);
     return failed;
 }

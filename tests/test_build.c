@@ -8,49 +8,73 @@
 
 static uint64_t trees_built, rays_compared;
 
-/* Builds, proves, compares `count` rays with the oracle, and returns the statistics. */
-static htree_stats prove(const htree_mesh *mesh, const htree_options *options, uint64_t count,
-                         uint64_t seed) {
-    htree_ray *const rays = (htree_ray *)take(count * sizeof *rays);
-    htree_hit *const truth = (htree_hit *)take(count * sizeof *truth);
-    htree_hit *const hits = (htree_hit *)take(count * sizeof *hits);
+/* Rays through a mesh, and what every tree over it must answer. */
+typedef struct exam {
+    const htree_mesh *mesh;
+    oracle truth;
+    htree_box bounds;
+    uint64_t count;
+    htree_ray *rays;
+    htree_hit *should, *hits;
+} exam;
+
+static exam exam_of(const htree_mesh *mesh, uint64_t count, uint64_t seed) {
     const ray_target target = ray_target_of(mesh);
     dice d = {seed};
-    oracle o = oracle_of(mesh);
-    htree *const tree = tree_of(mesh, options);
+    exam e;
+    e.mesh = mesh;
+    e.truth = oracle_of(mesh);
+    e.bounds = oracle_bounds(&e.truth);
+    e.count = count;
+    e.rays = (htree_ray *)take(count * sizeof *e.rays);
+    e.should = (htree_hit *)take(count * sizeof *e.should);
+    e.hits = (htree_hit *)take(count * sizeof *e.hits);
+    rays_make_mixed(&target, &d, e.rays, count);
+    (void)oracle_batch(&e.truth, e.rays, count, e.should);
+    return e;
+}
+
+static void exam_free(exam *e) {
+    oracle_free(&e->truth);
+    free(e->rays);
+    free(e->should);
+    free(e->hits);
+}
+
+/* Builds, proves, compares with the oracle, and returns the statistics. */
+static htree_stats prove(const exam *e, const htree_options *options) {
+    htree *const tree = tree_of(e->mesh, options);
     const htree_stats stats = stats_of(tree);
-    const htree_box should = oracle_bounds(&o);
     htree_box box;
-    rays_make_mixed(&target, &d, rays, count);
-    (void)oracle_batch(&o, rays, count, truth);
-    assert_int_equal(htree_intersect(tree, rays, count, hits, NULL), HTREE_OK);
-    assert_int_equal(hits_differ(hits, truth, count), 0);
+    assert_int_equal(htree_intersect(tree, e->rays, e->count, e->hits, NULL), HTREE_OK);
+    assert_int_equal(hits_differ(e->hits, e->should, e->count), 0);
     assert_int_equal(htree_get_bounds(tree, &box), HTREE_OK);
-    for (int k = 0; k < 3; ++k) assert_true(box.lo[k] == should.lo[k] && box.hi[k] == should.hi[k]);
-    assert_int_equal(stats.triangles, mesh->triangle_count);
-    assert_int_equal(stats.invalid, o.invalid);
-    assert_int_equal(stats.degenerate, o.degenerate);
+    for (int k = 0; k < 3; ++k)
+        assert_true(box.lo[k] == e->bounds.lo[k] && box.hi[k] == e->bounds.hi[k]);
+    assert_int_equal(stats.triangles, e->mesh->triangle_count);
+    assert_int_equal(stats.invalid, e->truth.invalid);
+    assert_int_equal(stats.degenerate, e->truth.degenerate);
     htree_free(tree);
-    oracle_free(&o);
-    free(rays);
-    free(truth);
-    free(hits);
     ++trees_built;
-    rays_compared += count;
+    rays_compared += e->count;
     return stats;
 }
 
 static void prove_all_kinds(const htree_mesh *mesh, uint64_t rays, uint64_t seed) {
+    exam e = exam_of(mesh, rays, seed);
     for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
         htree_options options = options_of(kind);
         options.threads = 1;
-        (void)prove(mesh, &options, rays, seed);
+        (void)prove(&e, &options);
     }
+    exam_free(&e);
 }
 
 static void report(const char *what) {
     say("%s: %llu trees proved, %llu rays equal to the oracle's", what,
         (unsigned long long)trees_built, (unsigned long long)rays_compared);
+    tally("small trees", trees_built);
+    tally("oracle rays", rays_compared);
     trees_built = rays_compared = 0;
 }
 
@@ -195,10 +219,12 @@ static void the_largest_coordinate_is_valid(void **state) {
     mesh.positions = xyz;
     mesh.vertex_count = 6;
     mesh.triangle_count = 2;
+    exam e = exam_of(&mesh, 2000, 5);
     for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
         const htree_options options = options_of(kind);
-        assert_int_equal(prove(&mesh, &options, 2000, 5).invalid, 1);
+        assert_int_equal(prove(&e, &options).invalid, 1);
     }
+    exam_free(&e);
 }
 
 /* ---- Layouts of the arrays ------------------------------------------------------------------ */

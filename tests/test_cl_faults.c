@@ -310,5 +310,6 @@ int main(void) {
     };
     const int failed = cmocka_run_group_tests_name("cl_faults", tests, begin, end);
     say("%llu allocation failures injected", (unsigned long long)allocations_failed);
+    tally("allocation failures", allocations_failed);
     return failed;
 }

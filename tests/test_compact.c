@@ -53,6 +53,7 @@ static void compact_trees_answer_as_the_oracle(void **state) {
     }
     say("%llu rays, %llu differences", (unsigned long long)rays_total,
         (unsigned long long)differences_total);
+    tally("oracle rays", rays_total);
     assert_int_equal(differences_total, 0);
     free(truth);
     free(rays);

@@ -322,6 +322,7 @@ static void every_allocation_may_fail(void **state) {
         seed_scene_free(&scene);
     }
     say("allocations failed: %llu", (unsigned long long)failures);
+    tally("allocation failures", failures);
 }
 
 /* What is skipped takes no room in a wide tree, and the memory of a load keeps to the file's size. */

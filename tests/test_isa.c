@@ -78,6 +78,7 @@ static void every_path_equals_the_oracle(void **state) {
     free(rays);
     say("%s to %s: %llu rays in all, %llu differences", paths[0].name, paths[last_path].name,
         (unsigned long long)rays_total, (unsigned long long)differences_total);
+    tally("oracle rays", rays_total);
     assert_int_equal(differences_total, 0);
 }
 

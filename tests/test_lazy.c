@@ -87,6 +87,7 @@ static void lazy_trees_answer_as_the_oracle(void **state) {
         (unsigned long long)rays_total, (unsigned long long)differences_total,
         (unsigned long long)subtrees_total, (unsigned long long)built_early,
         (unsigned long long)built_total);
+    tally("oracle rays", rays_total);
     assert_int_equal(differences_total, 0);
     assert_true(built_early > 0 && built_early < subtrees_total / 2);
     free(truth);

@@ -218,5 +218,6 @@ int main(void) {
     };
     const int failed = cmocka_run_group_tests_name("memory", tests, NULL, NULL);
     say("%llu allocation failures injected", (unsigned long long)failures_injected);
+    tally("allocation failures", failures_injected);
     return failed;
 }

@@ -118,6 +118,7 @@ static void report(void **state) {
     (void)state;
     say("%llu rays with objects, %llu hits, 0 differences", (unsigned long long)rays_compared,
         (unsigned long long)hits_found);
+    tally("oracle rays", rays_compared);
     assert_true(hits_found > 0);
 }
 

@@ -196,7 +196,8 @@ static void every_scale_gives_the_same(void **state) {
     static const int scales[] = {-140, -100, -60, -20, 20, 40, 57};
     (void)state;
     for (uint32_t i = 0; i < COUNT_OF(scales); ++i) {
-        shape s = shape_of("knot", scaled(1500), 2);
+        /* Where coordinates are denormal, a ray meets most of the boxes. */
+        shape s = shape_of("knot", scales[i] < -100 ? 150 : scaled(1500), 2);
         const htree_mesh mesh = mesh_of(&s);
         dice d = {i + 1};
         for (uint64_t k = 0; k < 3 * s.vertex_count; ++k)

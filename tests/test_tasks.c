@@ -5,7 +5,7 @@
 
 #include <pthread.h>
 
-enum { RAYS = 8000, QUERY_THREADS = 4 };
+enum { RAYS = 4200, QUERY_THREADS = 4 };
 
 static uint64_t cancelled, combinations;
 

@@ -182,6 +182,7 @@ static void prove(closed *c, uint64_t rays_per_kind) {
 static void report(void) {
     say("%llu rays at edges and vertices, %llu leaks", (unsigned long long)rays_shot,
         (unsigned long long)leaks_found);
+    tally("rays at edges and vertices", rays_shot);
     const uint64_t leaks = leaks_found;
     rays_shot = leaks_found = 0;
     assert_int_equal(leaks, 0);

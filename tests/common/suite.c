@@ -52,6 +52,11 @@ void say(const char *format, ...) {
     fflush(stdout);
 }
 
+void tally(const char *what, uint64_t count) {
+    printf("tally: %llu %s\n", (unsigned long long)count, what);
+    fflush(stdout);
+}
+
 void *take(uint64_t bytes) {
     void *const memory = malloc((size_t)bytes);
     if (memory == NULL && bytes > 0) fail_msg("no memory for the test");

@@ -53,6 +53,10 @@ uint64_t scaled(uint64_t count);
 /* Prints a line that the runner shows: what was counted. */
 void say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Prints a line that the runner adds up over all programs and holds against tests/bars.txt; `what` is
+ * a name that stands there. */
+void tally(const char *what, uint64_t count);
+
 /* malloc that fails the test instead of returning NULL; exactly `bytes`, so that ASan sees the end.
  */
 void *take(uint64_t bytes);
