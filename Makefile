@@ -315,16 +315,21 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
 
-# All sources in one go, by clang, in a folder of their own.
+# By clang, in a folder of its own; the targets share all objects but libFuzzer's door.
 FUZZ_TARGETS := ply aff tree scene api
 FUZZ := $(patsubst %,build/fuzz/fuzz_%,$(FUZZ_TARGETS))
-FUZZ_ALL_SRC := $(FUZZ_SRC) $(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC) $(LIB_SRC)
-build/fuzz/fuzz_%: tests/fuzz/libfuzzer.c $(FUZZ_ALL_SRC) $(wildcard lib/*/*.h lib/*/*/*.h include/*.h tests/*/*.h)
-	$(call say,FUZZ,$@)
+FUZZ_OBJ := $(patsubst %.c,build/fuzz/%.o,$(FUZZ_SRC) $(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC) $(LIB_SRC))
+FUZZ_FLAGS := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
+FUZZ_CC = $(CLANG) -std=c99 -ffp-contract=off $(FUZZ_FLAGS) $(OURS_CPP) $(POSIX) -Ilib $(PART_CPP) \
+    -Itests/common -Itests/fuzz
+build/fuzz/%.o: %.c Makefile
+	$(call say,FUZZ,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CLANG) -std=c99 -ffp-contract=off -O1 -g -fsanitize=fuzzer,address,undefined,float-cast-overflow \
-	    -fno-sanitize-recover=all $(OURS_CPP:-M%=) $(POSIX) -Ilib $(PART_CPP) -Itests/common -Itests/fuzz \
-	    -DFUZZ_TARGET=fuzz_$* -o $@ $(filter %.c,$^) -lcmocka -lm -lpthread
+	$(Q)$(FUZZ_CC) -fsanitize=fuzzer-no-link -c -o $@ $<
+
+build/fuzz/fuzz_%: tests/fuzz/libfuzzer.c $(FUZZ_OBJ)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC:-M%=) -fsanitize=fuzzer -DFUZZ_TARGET=fuzz_$* -o $@ $^ -lcmocka -lm -lpthread
 
 .PHONY: fuzz
 fuzz: $(FUZZ) ## fuzz every reader, tree files, scenes and calls by libFuzzer, SECONDS=60 each
@@ -378,4 +383,4 @@ help: ## this list
 
 .PHONY: print-packages all lib run bench bench-device bench-peers table1 plots tests test check check-arm layers format deps install uninstall clean help
 
--include $(shell find $(B) -name '*.d' 2>/dev/null)
+-include $(shell find $(B) build/fuzz -name '*.d' 2>/dev/null)
