@@ -1,7 +1,7 @@
 #!/bin/sh
 # fuzz.sh FOLDER SECONDS [TARGET...]: runs the libFuzzer programs of FOLDER for so many seconds each, two
 # at a time, with the corpora in FOLDER/corpus, which are kept. What is found lies in FOLDER/found; the
-# last line counts runs and findings.
+# last line counts runs and findings. An input that takes FUZZ_TIMEOUT=10 seconds is a finding.
 set -u
 folder=$1 seconds=$2
 shift 2
@@ -13,7 +13,7 @@ run_target() {
     mkdir -p "$corpus"
     FUZZ_SEEDS=$corpus "$folder/fuzz_$1" >"$log" 2>&1 || { cat "$log"; return 1; }
     ASAN_OPTIONS=allocator_may_return_null=1 "$folder/fuzz_$1" "-max_total_time=$seconds" -max_len=8192 \
-        -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 "-artifact_prefix=$folder/found/$1-" \
+        "-timeout=${FUZZ_TIMEOUT:-10}" -rss_limit_mb=2048 -print_final_stats=1 "-artifact_prefix=$folder/found/$1-" \
         "$corpus" >>"$log" 2>&1
     code=$?
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
