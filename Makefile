@@ -308,8 +308,8 @@ test: all tests ## run the test programs of this config
 
 check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, symbols
 	$(Q)$(MAKE) --no-print-directory config=release lib
-	$(Q)$(MAKE) --no-print-directory config=sanitize all tests
-	$(Q)$(MAKE) --no-print-directory config=tsan all tests
+	$(Q)$(MAKE) --no-print-directory config=sanitize tests
+	$(Q)$(MAKE) --no-print-directory config=tsan tests
 	$(Q)CC="$(CC)" sh tests/run.sh $(config) sanitize tsan kernels oclgrind arm bench house install onefile dist docs mpi
 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU

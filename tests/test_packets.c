@@ -353,7 +353,7 @@ static void objects_change_nothing(void **state) {
     conclude("objects");
 }
 
-#ifndef SUITE_SANITIZED /* sanitizers need stack of their own */
+#ifdef SUITE_SMALL_STACK
 
 /* ---- A small stack -------------------------------------------------------------------------- */
 
@@ -411,7 +411,7 @@ int main(void) {
         cmocka_unit_test(crowded_tiles_are_whole),
 #endif
         cmocka_unit_test(objects_change_nothing),
-#ifndef SUITE_SANITIZED
+#ifdef SUITE_SMALL_STACK
         cmocka_unit_test(a_stack_of_64_kib_is_enough),
 #endif
     };

@@ -129,7 +129,7 @@ static void heaps_are_bounded(void **state) {
     free(xyz);
 }
 
-#ifndef SUITE_SANITIZED /* sanitizers need stack of their own */
+#ifdef SUITE_SMALL_STACK
 
 /* ---- A small stack -------------------------------------------------------------------------- */
 
@@ -193,7 +193,7 @@ int main(void) {
         cmocka_unit_test(geometric_series_are_bounded),
         cmocka_unit_test(clusters_with_outliers_are_bounded),
         cmocka_unit_test(heaps_are_bounded),
-#ifndef SUITE_SANITIZED
+#ifdef SUITE_SMALL_STACK
         cmocka_unit_test(a_stack_of_64_kib_is_enough),
 #endif
         cmocka_unit_test(report_trees),

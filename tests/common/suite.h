@@ -29,6 +29,11 @@
 #define SUITE_SANITIZED 1
 #endif
 
+/* The stack that the library promises to keep to is that of optimised code without sanitizers. */
+#if defined(__OPTIMIZE__) && !defined(SUITE_SANITIZED)
+#define SUITE_SMALL_STACK 1
+#endif
+
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
 /* ---- Dice: the same numbers on every machine ------------------------------------------------ */
