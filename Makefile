@@ -37,6 +37,17 @@ endif
 say = @printf '%-8s %s\n' $(1) $(2)
 
 # ---- Optional packages ----------------------------------------------------------------------------
+# They are looked for while this file is read, so what `make deps run` installs must be there before: make
+# first remakes what a Makefile includes, and where that has changed it reads everything again.
+PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev libwebp-dev gnuplot-nox \
+    opencl-headers ocl-icd-libopencl1 pocl-opencl-icd
+ifneq ($(filter deps,$(MAKECMDGOALS)),)
+include build/deps.mk
+build/deps.mk: FORCE
+	$(Q)mkdir -p $(@D) && sh examples/deps.sh $@ $(PACKAGES)
+FORCE:
+endif
+
 have = $(shell $(PKG_CONFIG) --exists $(1) 2>/dev/null && echo yes)
 HAVE_PNG := $(call have,libpng)
 HAVE_ASSIMP := $(call have,assimp)
@@ -44,8 +55,11 @@ HAVE_WEBP := $(call have,libwebpmux)
 HAVE_MPI := $(call have,mpi-c)
 HAVE_CMOCKA := $(call have,cmocka)
 HAVE_CLANG := $(shell command -v $(CLANG) >/dev/null && echo yes)
-HAVE_OPENCL := $(shell echo '\#include <CL/cl.h>' | $(CC) -DCL_TARGET_OPENCL_VERSION=120 -E - >/dev/null 2>&1 && echo yes)
-HAVE_EMBREE := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
+# A hash by itself: versions of make differ in what \# is within a call.
+hash := \#
+have-header = $(shell echo '$(hash)include <$(1)>' | $(CC) $(2) -E - >/dev/null 2>&1 && echo yes)
+HAVE_OPENCL := $(call have-header,CL/cl.h,-DCL_TARGET_OPENCL_VERSION=120)
+HAVE_EMBREE := $(call have-header,embree3/rtcore.h)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/build/*/*.c lib/trace/*.c lib/trace/*/*.c))
@@ -366,10 +380,8 @@ FORMATTED = $(shell git ls-files '*.[ch]' '*.cl' '*.hpp' '*.cpp' 2>/dev/null)
 format: ## format all C sources in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
 
-PACKAGES := gcc make pkg-config libpng-dev libcmocka-dev libassimp-dev libwebp-dev gnuplot-nox \
-    opencl-headers ocl-icd-libopencl1 pocl-opencl-icd
 deps: ## install the Debian packages that are missing
-	$(Q)sh examples/deps.sh $(PACKAGES)
+	@:
 
 print-packages:
 	@echo $(PACKAGES)

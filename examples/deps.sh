@@ -1,5 +1,6 @@
 #!/bin/sh
-# deps.sh PACKAGE...: install the Debian packages that are missing, or say exactly what to install.
+# deps.sh STAMP PACKAGE...: install the Debian packages that are missing, or say exactly what to install.
+# The file STAMP is newer afterwards if anything was installed.
 #
 # Exit status: 0 if everything required is there. What is optional is worth a note.
 set -eu
@@ -22,6 +23,9 @@ may_install() {
     sudo -n true 2>/dev/null
 }
 
+stamp=$1
+shift
+[ -e "$stamp" ] || : >"$stamp"
 missing=$(list_missing "$@")
 [ -n "$missing" ] || exit 0
 
@@ -34,7 +38,9 @@ if may_install; then
     for package in $missing; do
         $sudo apt-get install -y -qq --no-install-recommends "$package" >/dev/null || true
     done
+    before=$missing
     missing=$(list_missing "$@")
+    [ "$missing" = "$before" ] || touch "$stamp"
 fi
 
 required=
