@@ -63,7 +63,7 @@ HAVE_EMBREE := $(call have-header,embree3/rtcore.h)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/build/*/*.c lib/trace/*.c lib/trace/*/*.c))
-PARTS := mesh picture program bart animate table1 visibility
+PARTS := mesh picture program bart animate table1 visibility nodes
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
 BENCH_SRC := $(filter-out $(if $(HAVE_EMBREE),%/peer_none.c,%/peer.c %/peer_pack.c %/peer_trace.c), \
     $(sort $(wildcard examples/bench/*.c)))
@@ -93,7 +93,7 @@ endif
 ifeq ($(HAVE_PNG),yes)
 PROGRAMS += $(B)/htree-render
 PROGRAMS += $(B)/htree-table1 $(B)/htree-visibility
-PROGRAMS += $(B)/htree-animate $(B)/htree-bench
+PROGRAMS += $(B)/htree-animate $(B)/htree-bench $(B)/htree-nodes
 ifeq ($(HAVE_MPI),yes)
 PROGRAMS += $(B)/htree-mpi-render
 endif
@@ -158,6 +158,9 @@ $(B)/examples/%.o: examples/%.c Makefile
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(BASE) $(OURS_CPP) $(POSIX) $(PART_CPP) $(PNG_CFLAGS) $(ASSIMP_CFLAGS) \
 	    $(WEBP_CFLAGS) $(OPENCL_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+# Nodes are looked at where they lie.
+$(B)/examples/nodes/%.o: PART_CPP += -Ilib/tree
 
 # White-box tests may see the internal headers, so tests link the static library.
 $(B)/tests/%.o: tests/%.c Makefile

@@ -85,14 +85,6 @@ static const struct option long_options[] = {{"kind", required_argument, NULL, O
 
 /* ---- Values --------------------------------------------------------------------------------- */
 
-static bool parse_kind(anim_args *out, const char *text) {
-    out->kind = htree_kind_from_name(text);
-    return out->kind || option_wrong(program,
-                                     "--kind %s: no such structure; choose from ug kd bvh-median "
-                                     "bvh-sah skd h ah",
-                                     text);
-}
-
 static bool parse_time(const char *option, const char *text, bool *given, double *out) {
     const char *end = text + strlen(text);
     *given = true;
@@ -133,7 +125,7 @@ static bool take_option(anim_args *out, int option, const char *value) {
     switch (option) {
     case 'o': return parse_pattern(out, value);
     case 'q': return out->quiet = true;
-    case OPTION_KIND: return parse_kind(out, value);
+    case OPTION_KIND: return option_kind(program, "kind", value, &out->kind);
     case OPTION_LAZY: return out->lazy = true;
     case OPTION_FRAMES: return option_u32(program, "frames", value, 1, 1000000, &out->frames);
     case OPTION_FROM: return parse_time("from", value, &out->has_from, &out->from);

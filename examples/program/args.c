@@ -86,18 +86,6 @@ static const struct option long_options[] = {
 
 /* ---- Values --------------------------------------------------------------------------------- */
 
-static bool parse_scene(render_args *out, const char *text) {
-    const size_t length = strcspn(text, ":");
-    snprintf(out->scene, sizeof out->scene, "%.*s", (int)(length < 31 ? length : 31), text);
-    if (!shape_text(out->scene))
-        return option_wrong(program, "--scene %s: no such scene; --list-scenes prints them", text);
-    out->triangles = shape_default_triangles(out->scene);
-    if (text[length] && !option_number(text + length + 1, 0, 0, 1 << 30, &out->triangles))
-        return option_wrong(program, "--scene %s: after ':' give a number of triangles up to 2^30",
-                            text);
-    return true;
-}
-
 static bool parse_mode(render_args *out, const char *text) {
     static const char *const names[] = {"shaded", "normals", "depth", "prims", "steps", "tests"};
     for (int i = 0; i < 6; ++i)
@@ -137,7 +125,7 @@ static bool take_option(render_args *out, int option, const char *value) {
     case OPTION_STATS: return out->stats = true;
     case OPTION_DEVICE: return out->device = value, true;
     case OPTION_LIST_DEVICES: return out->list_devices = true;
-    case OPTION_SCENE: return parse_scene(out, value);
+    case OPTION_SCENE: return option_scene(program, value, out->scene, &out->triangles);
     case OPTION_KIND: return option_kind(program, "kind", value, &out->kind);
     case OPTION_MODE: return parse_mode(out, value);
     case OPTION_HEAT_MAX: return parse_heat_max(out, value);
@@ -157,7 +145,7 @@ static bool take_option(render_args *out, int option, const char *value) {
 static render_args default_args(void) {
     render_args args;
     memset(&args, 0, sizeof args);
-    parse_scene(&args, "knot");
+    option_shape("knot", args.scene, &args.triangles);
     args.kind = HTREE_H;
     args.width = args.height = 500;
     args.spp = 4;

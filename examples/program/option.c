@@ -2,6 +2,7 @@
 #include "option.h"
 
 #include "shapes.h"
+#include "suggest.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -59,14 +60,29 @@ bool option_shape(const char *text, char *name, uint64_t *triangles) {
     return !text[length] || option_number(text + length + 1, 0, 0, 1 << 30, triangles);
 }
 
+/* Appends a blank and a word, as far as there is room. */
+static void append(char *list, size_t size, const char *word) {
+    const size_t used = strlen(list);
+    snprintf(list + used, size - used, " %s", word);
+}
+
+bool option_scene(const char *program, const char *text, char *name, uint64_t *triangles) {
+    char known[256] = "";
+    if (option_shape(text, name, triangles)) return true;
+    if (shape_text(name))
+        return option_wrong(program, "--scene %s: after ':' give a number of triangles up to 2^30",
+                            text);
+    for (const char *const *word = shape_names(); *word; ++word) append(known, sizeof known, *word);
+    return option_wrong(program, "--scene %s: no such scene; choose from%s", text, known);
+}
+
 bool option_kind(const char *program, const char *option, const char *text, htree_kind *kind) {
-    char known[128] = "";
+    char known[256] = "";
     *kind = htree_kind_from_name(text);
     if (*kind) return true;
-    for (htree_kind i = 1; htree_kind_name(i); ++i) {
-        const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, " %s", htree_kind_name(i));
-    }
+    for (htree_kind i = 1; htree_kind_name(i); ++i) append(known, sizeof known, htree_kind_name(i));
+    for (htree_kind i = HTREE_FAST; htree_kind_name(i); ++i)
+        append(known, sizeof known, htree_kind_name(i));
     return option_wrong(program, "--%s %s: no such structure; choose from%s", option, text, known);
 }
 
@@ -96,13 +112,21 @@ bool option_list(const char *program, const char *option, const char *text,
 }
 
 /* getopt names a short option by its letter, and leaves a long one at the word before optind. */
-static void complain(const char *program, int answer, char **argv) {
-    const char letter[3] = {'-', (char)optopt, 0};
+static void complain(const option_syntax *syntax, int answer, char **argv) {
+    const char letter[3] = {'-', (char)optopt, 0}, *meant = NULL;
     const bool is_short = optopt > 0 && optopt < 256 && argv[optind - 1][1] != '-';
-    option_wrong(program,
-                 answer == ':' ? "option %s needs a value; see --help"
-                               : "unknown option %s; see --help",
-                 is_short ? letter : argv[optind - 1]);
+    const char *word = is_short ? letter : argv[optind - 1];
+    char name[32] = "";
+    if (answer == ':') {
+        option_wrong(syntax->program, "option %s needs a value; see --help", word);
+        return;
+    }
+    if (!is_short) snprintf(name, sizeof name, "%.*s", (int)strcspn(word + 2, "="), word + 2);
+    for (const struct option *option = syntax->options; *name && option->name; ++option)
+        meant = suggest(name, meant, option->name);
+    option_wrong(syntax->program,
+                 meant ? "unknown option %s; did you mean --%s?" : "unknown option %s; see --help",
+                 word, meant);
 }
 
 uint32_t option_threads(uint32_t threads) {
@@ -122,7 +146,7 @@ int option_next(const option_syntax *syntax, int argc, char **argv, args_result 
         return -1;
     case ':':
     case '?':
-        complain(syntax->program, option, argv);
+        complain(syntax, option, argv);
         *result = ARGS_WRONG;
         return -1;
     default: return option;

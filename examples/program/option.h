@@ -36,6 +36,9 @@ bool option_list(const char *program, const char *option, const char *text,
 /* A built-in scene, NAME or NAME:N; `name` holds 32 bytes. False, and silent, if there is none. */
 bool option_shape(const char *text, char *name, uint64_t *triangles);
 
+/* The same as the value of --scene. */
+bool option_scene(const char *program, const char *text, char *name, uint64_t *triangles);
+
 typedef enum args_result { ARGS_RUN, ARGS_DONE, ARGS_WRONG } args_result;
 
 /* What a program takes: `letters` and `options` as getopt_long wants them. */

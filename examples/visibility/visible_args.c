@@ -110,15 +110,8 @@ static bool take_option(visible_args *out, int option, const char *value) {
     case OPTION_SIZE: return option_size(program, value, &out->width, &out->height);
     case OPTION_THREADS: return option_u32(program, "threads", value, 0, 1024, &out->threads);
     case OPTION_SEED: return option_u32(program, "seed", value, 0, UINT32_MAX, &out->seed);
-    case OPTION_SCENE:
-        return option_shape(value, out->scene, &out->triangles) ||
-               option_wrong(program, "--scene %s: no such scene; htree-render --list-scenes",
-                            value);
-    case OPTION_KIND:
-        out->kind = htree_kind_from_name(value);
-        return out->kind ||
-               option_wrong(program, "--kind %s: choose from kd ug bvh-median bvh-sah skd h ah",
-                            value);
+    case OPTION_SCENE: return option_scene(program, value, out->scene, &out->triangles);
+    case OPTION_KIND: return option_kind(program, "kind", value, &out->kind);
     case OPTION_CAMERA:
         return camera_parse(&out->camera, value) ||
                option_wrong(program, "--camera %s: give outside, inside or ex,ey,ez,lx,ly,lz[,fov]",
