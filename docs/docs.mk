@@ -1,4 +1,4 @@
-# docs.mk: drawings and reference of docs/. The Makefile of the root includes it.
+# docs.mk: drawings, reference and gallery of docs/. The Makefile of the root includes it.
 
 DRAWN := ug kd bvh-sah skd h ah wide
 
@@ -15,4 +15,7 @@ reference: ## pages of the headers by doxygen: build/reference/html
 	$(Q)(cat docs/Doxyfile; echo "PROJECT_NUMBER = $(VERSION)"; echo "OUTPUT_DIRECTORY = build/reference"; \
 	    echo "WARN_AS_ERROR = FAIL_ON_WARNINGS") | doxygen -
 
-.PHONY: drawings reference
+gallery: all ## pictures, heat maps, films and a tree viewer as a static site: build/gallery/index.html
+	$(Q)sh docs/gallery/make.sh $(B) build/gallery
+
+.PHONY: drawings reference gallery

@@ -57,7 +57,7 @@ says() {
 
 first_command() {
     inside "$(says '^make deps run')" || return 1
-    [ "$(find "$root$here/build/release/out" -name '*.png' -size +10k | wc -l)" -ge 15 ]
+    [ "$(find "$root$here/build/release/out" -name '*.png' -size +4k | wc -l)" -ge 15 ]
 }
 
 second_command() {
