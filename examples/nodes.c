@@ -57,7 +57,7 @@ static bool take_option(nodes_args *out, int option, const char *value) {
     switch (option) {
     case 'k': return option_list(program, "kind", value, take_kind, out);
     case 's': return option_scene(program, value, out->scene, &out->triangles);
-    default: return out->output = value, true;
+    default: return option_output(program, "output", value, &out->output);
     }
 }
 

@@ -118,16 +118,20 @@ reference_is_clean() {
     MAKEFLAGS='' make -s reference && grep -q htree_intersect build/reference/html/htree_8h.html
 }
 
-help_fits() { # help_fits PROGRAM: 32 lines, and three examples
-    "build/release/$1" --help >"$work/help" || return 1
-    [ "$(wc -l <"$work/help")" -le 32 ] || { echo "$1 --help has $(wc -l <"$work/help") lines"; return 1; }
-    [ "$(grep -c "^  $1 " "$work/help")" -ge 3 ] || { echo "$1 --help has no three examples"; return 1; }
+help_fits() { # 40 lines of 100 characters, and three examples
+    for program in render animate table1 bench visibility nodes; do
+        name=htree-$program
+        "build/release/$name" --help >"$work/help" || return 1
+        [ "$(wc -l <"$work/help")" -le 40 ] || { echo "$name --help has $(wc -l <"$work/help") lines"; return 1; }
+        ! grep '.\{101\}' "$work/help" || { echo "$name --help has lines that are too long"; return 1; }
+        [ "$(grep -c "^  $name " "$work/help")" -ge 3 ] || { echo "$name --help has no three examples"; return 1; }
+    done
 }
 
 rule blocks-compile blocks_compile
 rule links-lead-somewhere links_lead_somewhere
 rule drawings-are-current drawings_are_current
-[ -x build/release/htree-render ] && rule help-fits help_fits htree-render
+[ -x build/release/htree-render ] && rule help-fits help_fits
 if command -v doxygen >/dev/null; then
     rule reference-is-clean reference_is_clean
 elif [ "${HTREE_REQUIRE_ALL-}" = 1 ]; then

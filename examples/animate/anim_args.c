@@ -96,7 +96,7 @@ static bool parse_time(const char *option, const char *text, bool *given, double
 static bool parse_pattern(anim_args *out, const char *text) {
     const char *sign = strchr(text, '%');
     size_t digits = sign ? strspn(sign + 1, "0123456789") : 0;
-    out->output = text;
+    if (!option_output(program, "output", text, &out->output)) return false;
     if (sign && digits <= 2 && sign[1 + digits] == 'd' && !strchr(sign + 1, '%')) return true;
     return option_wrong(program, "-o %s: give a name with a number in it, such as frame%%04d.png",
                         text);
@@ -140,8 +140,8 @@ static bool take_option(anim_args *out, int option, const char *value) {
     case OPTION_KEEP: return out->film.keep_coincident = true;
     case OPTION_STATS: return out->stats = true;
     case OPTION_MESH: return out->film.mesh = value, true;
-    case OPTION_WEBP: return out->webp = value, true;
-    case OPTION_JSON: return out->json = value, true;
+    case OPTION_WEBP: return option_output(program, "webp", value, &out->webp);
+    case OPTION_JSON: return option_output(program, "json", value, &out->json);
     default: return false;
     }
 }

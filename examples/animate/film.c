@@ -47,7 +47,12 @@ bool film_open(film *out, const film_wish *wish, char *error, size_t size) {
     shape mesh;
     const char *name = made_name(wish->scene, &triangles);
     memset(out, 0, sizeof *out);
-    if (!name) return open_aff(out, wish, error, size);
+    if (!name) {
+        char cause[400];
+        if (open_aff(out, wish, cause, sizeof cause)) return true;
+        snprintf(error, size, "%s; give an AFF file, or crowd, explode or cloth", cause);
+        return false;
+    }
     memset(&mesh, 0, sizeof mesh);
     if (wish->mesh && !mesh_file_read(wish->mesh, &mesh, error, size)) return false;
     const bool ok = film_make(out, name, triangles, wish->mesh ? &mesh : NULL);

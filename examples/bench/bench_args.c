@@ -189,7 +189,7 @@ static bool take_ray_option(bench_args *out, int option, const char *value) {
     case OPTION_AMBIENT: return option_u32(program, "ambient", value, 1, 1024, &wish->ambient);
     case OPTION_REACH: return take_reach(out, value);
     case OPTION_SEED: return option_u32(program, "seed", value, 0, UINT32_MAX, &wish->seed);
-    case OPTION_SAVE_RAYS: return out->save_rays = value, true;
+    case OPTION_SAVE_RAYS: return option_output(program, "save-rays", value, &out->save_rays);
     case OPTION_LOAD_RAYS: return out->load_rays = value, true;
     default: return false;
     }
@@ -210,7 +210,7 @@ static bool take_option(bench_args *out, int option, const char *value) {
     case OPTION_ROUNDS:
         return option_u32(program, "rounds", value, 1, BENCH_MAX_ROUNDS, &out->rounds);
     case OPTION_SECONDS: return take_decimal("seconds", value, 3600, &out->seconds);
-    case OPTION_JSON: return out->json = value, true;
+    case OPTION_JSON: return option_output(program, "json", value, &out->json);
     default: return take_ray_option(out, option, value);
     }
 }

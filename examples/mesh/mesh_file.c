@@ -62,8 +62,11 @@ static bool read_by_assimp(const char *path, shape *out, char *error, size_t siz
     const struct aiScene *scene =
         aiImportFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
     if (!scene) {
-        snprintf(error, size, "%s: %s", path, aiGetErrorString());
-        error[strcspn(error, "\r\n")] = 0;
+        const char *text = aiGetErrorString();
+        size_t length = strcspn(text, "\r\n");
+        if (length && text[length - 1] == '.') --length;
+        snprintf(error, size, "%s: %.*s; give a mesh as PLY, OBJ, STL, glTF, ...", path,
+                 (int)length, text);
         return false;
     }
     const bool ok = reserve_scene(scene, out);
@@ -100,7 +103,8 @@ bool mesh_file_read(const char *path, shape *out, char *error, size_t size) {
     const int cause = errno;
     if (file) fclose(file);
     if (!read) {
-        snprintf(error, size, "%s: %s", path, strerror(cause));
+        const char *more = shape_text(path) ? "; for the built-in scene write --scene " : "";
+        snprintf(error, size, "%s: %s%s%s", path, strerror(cause), more, *more ? path : "");
         return false;
     }
     if (is_ply(path, head)) return ply_read(path, out, error, size);

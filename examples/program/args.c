@@ -119,9 +119,9 @@ static void list_scenes(void) {
 
 static bool take_option(render_args *out, int option, const char *value) {
     switch (option) {
-    case 'o': return out->output = value, true;
+    case 'o': return option_output(program, "output", value, &out->output);
     case 'q': return out->quiet = true;
-    case OPTION_JSON: return out->json = value, true;
+    case OPTION_JSON: return option_output(program, "json", value, &out->json);
     case OPTION_STATS: return out->stats = true;
     case OPTION_DEVICE: return out->device = value, true;
     case OPTION_LIST_DEVICES: return out->list_devices = true;

@@ -60,6 +60,16 @@ bool option_shape(const char *text, char *name, uint64_t *triangles) {
     return !text[length] || option_number(text + length + 1, 0, 0, 1 << 30, triangles);
 }
 
+bool option_output(const char *program, const char *option, const char *text, const char **path) {
+    char folder[1024] = ".";
+    const char *slash = strrchr(text, '/');
+    if (slash) snprintf(folder, sizeof folder, "%.*s", (int)(slash - text) + 1, text);
+    *path = text;
+    if (access(folder, W_OK) == 0) return true;
+    return option_wrong(program, "--%s %s: %s: %s; name a file in a folder that can be written to",
+                        option, text, folder, strerror(errno));
+}
+
 /* Appends a blank and a word, as far as there is room. */
 static void append(char *list, size_t size, const char *word) {
     const size_t used = strlen(list);

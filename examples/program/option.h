@@ -39,6 +39,10 @@ bool option_shape(const char *text, char *name, uint64_t *triangles);
 /* The same as the value of --scene. */
 bool option_scene(const char *program, const char *text, char *name, uint64_t *triangles);
 
+/* The value of --`option`, a file to be written at the end: its folder must be there, and open for us,
+ * now. */
+bool option_output(const char *program, const char *option, const char *text, const char **path);
+
 typedef enum args_result { ARGS_RUN, ARGS_DONE, ARGS_WRONG } args_result;
 
 /* What a program takes: `letters` and `options` as getopt_long wants them. */

@@ -72,6 +72,9 @@ bool bench_scene_add(const char *program, const char *text, scene_wish *scenes, 
     scene_wish *wish = bench_scene_next(program, scenes, count, most);
     if (!wish) return false;
     if (bench_scene_parse(wish, text)) return true;
+    if (shape_text(wish->name))
+        return option_wrong(program, "--scene %s: after ':' give a number of triangles up to 2^30",
+                            text);
     char known[256] = "";
     for (uint32_t i = 0; bench_scene_name(i); ++i) {
         const size_t used = strlen(known);

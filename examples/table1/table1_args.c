@@ -124,8 +124,8 @@ static bool take_option(table1_args *out, int option, const char *value) {
         return option_u32(program, "repeat", value, 1, MEASURE_MAX_REPEAT, &out->repeat);
     case OPTION_THREADS: return option_u32(program, "threads", value, 0, 1024, &out->threads);
     case OPTION_SIZE: return option_size(program, value, &out->width, &out->height);
-    case OPTION_JSON: return out->json = value, true;
-    case OPTION_CSV: return out->csv = value, true;
+    case OPTION_JSON: return option_output(program, "json", value, &out->json);
+    case OPTION_CSV: return option_output(program, "csv", value, &out->csv);
     case OPTION_QUICK: return take_scene(out, "bunny") && take_scene(out, "crowd:100000");
     case OPTION_GROWTH:
         out->mode = TABLE1_GROWTH;

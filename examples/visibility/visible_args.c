@@ -101,7 +101,7 @@ static bool take_up(visible_args *out, const char *text) {
 
 static bool take_option(visible_args *out, int option, const char *value) {
     switch (option) {
-    case 'o': return out->output = value, true;
+    case 'o': return option_output(program, "output", value, &out->output);
     case 'q': return out->quiet = true;
     case OPTION_CELL: return take_cell(out, value);
     case OPTION_LINES: return take_lines(out, value);
