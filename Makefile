@@ -332,6 +332,9 @@ check: all tests ## everything: this config, ASan+UBSan, TSan, layers, headers, 
 check-arm: ## the library for 64-bit ARM, cross-compiled and run by QEMU
 	$(Q)sh tests/arm.sh
 
+check-fresh: ## README.md's commands in a Debian that has git and make alone (FOLDER=path, FULL=1); as root
+	$(Q)sh tests/fresh_root.sh $(or $(FOLDER),build/fresh)
+
 # By clang, in a folder of its own; the targets share all objects but libFuzzer's door.
 FUZZ_TARGETS := ply aff tree scene api
 FUZZ := $(patsubst %,build/fuzz/fuzz_%,$(FUZZ_TARGETS))
@@ -396,6 +399,6 @@ help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(filter-out %.d,$(MAKEFILE_LIST)) | expand -t 18
 
-.PHONY: print-packages all lib run bench bench-device bench-peers table1 plots tests test check check-arm layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench bench-device bench-peers table1 plots tests test check check-arm check-fresh layers format deps install uninstall clean help
 
 -include $(shell find $(B) build/fuzz -name '*.d' 2>/dev/null)

@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.." || exit 1
 root=${1:?fresh_root.sh FOLDER}
 here=/root/libhtree
 bad=0
-trap 'umount "$root/proc" 2>/dev/null' EXIT
+trap 'umount "$root/proc" "$root/sys" 2>/dev/null' EXIT
 
 rule() { # rule NAME WORD...: runs the words, their output into FOLDER.NAME.log, and prints their verdict
     name=$1
@@ -33,7 +33,7 @@ mirror() {
 strap() {
     [ -x "$root/usr/bin/git" ] ||
         debootstrap --variant=minbase --include=git,make,ca-certificates bookworm "$root" "$(mirror)" || return 1
-    mount -t proc proc "$root/proc"
+    mount -t proc proc "$root/proc" && mount -t sysfs sysfs "$root/sys"
 }
 
 # A clone of what is committed here.
