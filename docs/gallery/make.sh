@@ -7,7 +7,7 @@
 set -eu
 programs=$1 out=$2
 here=$(dirname "$0")
-size=${SIZE:-800x600} film=${FILM:-640x480} frames=${FRAMES:-60} tree=${TREE:-1500}
+size=${SIZE:-800x600} film=${FILM:-480x360} frames=${FRAMES:-40} tree=${TREE:-1500}
 work=$out.work
 version=$(sed -n 's/^VERSION := //p' "$here/../../Makefile")
 rm -rf "$out"
