@@ -2,7 +2,7 @@
 // what is shown is a matter of switching them on.
 import {
     BufferGeometry, Color, DirectionalLight, Float32BufferAttribute, HemisphereLight, Mesh, MeshLambertMaterial,
-    PerspectiveCamera, Scene, Vector2, WebGLRenderer, Group, DoubleSide,
+    PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer, Group, DoubleSide,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
@@ -97,15 +97,29 @@ export function stage(canvas, types) {
         request();
     }).observe(canvas);
 
-    // The scene is brought to the origin and to one size, so that cameras and lights suit all of them.
+    // How far the corners of a box around the origin reach, of the way from the middle of the picture to its edge.
+    function reach(half) {
+        camera.lookAt(0, 0, 0);
+        camera.updateMatrixWorld();
+        const corners = [...Array(8).keys()].map((i) =>
+            new Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1).multiply(half).project(camera));
+        return Math.max(...corners.map(({ x, y }) => Math.max(Math.abs(x), Math.abs(y))));
+    }
+
+    // The scene is brought to the origin and to one size, so that light suits all of them, and the camera to where
+    // it fills the picture.
     function frame(mesh) {
-        mesh.geometry.computeBoundingSphere();
-        const { center, radius } = mesh.geometry.boundingSphere;
+        mesh.geometry.computeBoundingBox();
+        const center = mesh.geometry.boundingBox.getCenter(new Vector3());
+        const half = mesh.geometry.boundingBox.getSize(new Vector3()).multiplyScalar(0.5);
+        const size = half.length() || 1;
         for (const group of [lines, solid]) {
-            group.scale.setScalar(1 / radius);
-            group.position.copy(center).multiplyScalar(-1 / radius);
+            group.scale.setScalar(1 / size);
+            group.position.copy(center).multiplyScalar(-1 / size);
         }
-        camera.position.set(1.7, 1.2, 2.1).setLength(3.9 / Math.min(1, camera.aspect));
+        half.divideScalar(size);
+        camera.position.set(1.7, 1.2, 2.1).setLength(4);
+        for (let i = 0; i < 4; ++i) camera.position.multiplyScalar(reach(half) / 0.86);
         controls.target.set(0, 0, 0);
     }
 
