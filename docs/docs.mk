@@ -18,4 +18,7 @@ reference: ## pages of the headers by doxygen: build/reference/html
 gallery: all ## pictures, heat maps, films and a tree viewer as a static site: build/gallery/index.html
 	$(Q)sh docs/gallery/make.sh $(B) build/gallery
 
-.PHONY: drawings reference gallery
+readme-figures: ## take the figures of README.md anew from docs/results
+	$(Q)sh docs/figures.sh README.md >build/README.md && cp build/README.md README.md
+
+.PHONY: drawings reference gallery readme-figures

@@ -1,7 +1,8 @@
 #!/bin/sh
 # docs.sh: every block of C in README.md, CONTRIBUTING.md and docs/ compiles without a warning, and runs if it is
-# a program; links lead somewhere; drawings are what `make drawings` draws; doxygen has nothing to say; help
-# fits a screen. Prints `ok docs-NAME`, `FAILED docs-NAME: why` or `skipped docs-NAME: why` for each.
+# a program; links lead somewhere; figures of README.md are those of docs/results; drawings are what `make drawings`
+# draws; doxygen has nothing to say; help fits a screen. Prints `ok docs-NAME`, `FAILED docs-NAME: why` or
+# `skipped docs-NAME: why` for each.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 CC=${CC:-cc}
@@ -113,6 +114,12 @@ drawings_are_current() {
     done
 }
 
+figures_are_measured() {
+    sh docs/figures.sh README.md >"$work/README.md" || return 1
+    [ "$(grep -c '^<!-- figures: ' README.md)" -ge 4 ] || { echo "README.md shows too few figures"; return 1; }
+    diff README.md "$work/README.md" || { echo "README.md has other figures than docs/results: make readme-figures"; return 1; }
+}
+
 reference_is_clean() {
     rm -rf build/reference
     MAKEFLAGS='' make -s reference && grep -q htree_intersect build/reference/html/htree_8h.html
@@ -130,6 +137,7 @@ help_fits() { # 40 lines of 100 characters, and three examples
 
 rule blocks-compile blocks_compile
 rule links-lead-somewhere links_lead_somewhere
+rule figures-are-measured figures_are_measured
 rule drawings-are-current drawings_are_current
 [ -x build/release/htree-render ] && rule help-fits help_fits
 if command -v doxygen >/dev/null; then
