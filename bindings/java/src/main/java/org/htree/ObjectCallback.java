@@ -5,10 +5,10 @@ import com.sun.jna.CallbackThreadInitializer;
 import com.sun.jna.Native;
 import com.sun.jna.Pointer;
 import java.util.concurrent.atomic.AtomicLong;
-import org.htree.raw.Structs;
+import org.htree.raw.Callbacks;
 
 /** Carries calls of C to an {@link ObjectIntersector}, and what it throws past C. */
-final class ObjectCallback implements Structs.ObjectIntersect {
+final class ObjectCallback implements Callbacks.ObjectIntersect {
     private final ObjectIntersector intersector;
     private final AtomicLong failures = new AtomicLong();
     private volatile Throwable lastThrown;

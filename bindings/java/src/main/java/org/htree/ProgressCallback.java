@@ -2,10 +2,10 @@
 package org.htree;
 
 import com.sun.jna.Pointer;
-import org.htree.raw.Structs;
+import org.htree.raw.Callbacks;
 
 /** Carries calls of C to a {@link Progress}, and what it throws past C. */
-final class ProgressCallback implements Structs.Report {
+final class ProgressCallback implements Callbacks.Report {
     private final Progress progress;
     private Throwable thrown;
 

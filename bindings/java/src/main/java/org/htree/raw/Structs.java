@@ -1,82 +1,13 @@
 // SPDX-License-Identifier: MIT
 package org.htree.raw;
 
-import com.sun.jna.Callback;
 import com.sun.jna.Pointer;
 import com.sun.jna.Structure;
 import com.sun.jna.Structure.FieldOrder;
 
-/** The structs and callbacks of {@code htree.h}, with the fields in their order. */
+/** The structs of {@code htree.h}, with the fields in their order. */
 public final class Structs {
     private Structs() {}
-
-    // ---- Callbacks -----------------------------------------------------------------------------
-
-    /** {@code htree_object_intersect}. */
-    public interface ObjectIntersect extends Callback {
-        /**
-         * Intersects an object with a ray.
-         *
-         * @param user what {@link Objects#user} holds
-         * @param object number of the object
-         * @param ray the {@code htree_ray}
-         * @param hit the {@code htree_hit} to fill
-         * @return nonzero if the object is hit
-         */
-        int invoke(Pointer user, int object, Pointer ray, Pointer hit);
-    }
-
-    /** {@code htree_progress.report}. */
-    public interface Report extends Callback {
-        /**
-         * Reports progress.
-         *
-         * @param user what {@link Progress#user} holds
-         * @param fraction of the work that is done
-         * @return nonzero to cancel
-         */
-        int invoke(Pointer user, double fraction);
-    }
-
-    /** {@code htree_allocator.allocate}. */
-    public interface Allocate extends Callback {
-        /**
-         * Allocates memory.
-         *
-         * @param user what {@link Allocator#user} holds
-         * @param bytes how many
-         * @param alignment a power of two
-         * @return the memory, or null
-         */
-        Pointer invoke(Pointer user, long bytes, long alignment);
-    }
-
-    /** {@code htree_allocator.release}. */
-    public interface Release extends Callback {
-        /**
-         * Releases memory.
-         *
-         * @param user what {@link Allocator#user} holds
-         * @param memory from {@link Allocate}
-         * @param bytes as they were asked for
-         */
-        void invoke(Pointer user, Pointer memory, long bytes);
-    }
-
-    /** {@code htree_tasks.run}. */
-    public interface Run extends Callback {
-        /**
-         * Calls a task for every index.
-         *
-         * @param user what {@link Tasks#user} holds
-         * @param count of indices
-         * @param task the function to call as {@code task(data, index)}
-         * @param data its first argument
-         */
-        void invoke(Pointer user, int count, Pointer task, Pointer data);
-    }
-
-    // ---- Structs -------------------------------------------------------------------------------
 
     /** {@code htree_box}. */
     @FieldOrder({"lo", "hi"})
@@ -101,7 +32,7 @@ public final class Structs {
         public long count;
 
         /** The test, which must stay reachable as long as the tree. */
-        public ObjectIntersect intersect;
+        public Callbacks.ObjectIntersect intersect;
 
         /** Handed to {@code intersect}. */
         public Pointer user;
@@ -151,10 +82,10 @@ public final class Structs {
     @FieldOrder({"allocate", "release", "user"})
     public static class Allocator extends Structure {
         /** Gets memory. */
-        public Allocate allocate;
+        public Callbacks.Allocate allocate;
 
         /** Gives it back. */
-        public Release release;
+        public Callbacks.Release release;
 
         /** Handed to both. */
         public Pointer user;
@@ -167,7 +98,7 @@ public final class Structs {
     @FieldOrder({"run", "user"})
     public static class Tasks extends Structure {
         /** Parallel for. */
-        public Run run;
+        public Callbacks.Run run;
 
         /** Handed to {@code run}. */
         public Pointer user;
@@ -180,7 +111,7 @@ public final class Structs {
     @FieldOrder({"report", "user"})
     public static class Progress extends Structure {
         /** Gets the fraction. */
-        public Report report;
+        public Callbacks.Report report;
 
         /** Handed to {@code report}. */
         public Pointer user;
@@ -262,7 +193,7 @@ public final class Structs {
         public int reserved;
 
         /** The test of objects, which must stay reachable as long as the tree. */
-        public ObjectIntersect intersect;
+        public Callbacks.ObjectIntersect intersect;
 
         /** Handed to {@code intersect}. */
         public Pointer user;
