@@ -111,7 +111,7 @@ broken_rays_are_refused() {
         refuses 1 'not a file of rays' --load-rays "$work/row.rays" &&
         refuses 1 'not a file of rays' --load-rays "$work/empty.rays" &&
         refuses 1 'No such file' --load-rays "$work/none.rays" &&
-        refuses 1 'No such file' --save-rays "$work/none/a.rays" &&
+        refuses 2 'No such file' --save-rays "$work/none/a.rays" &&
         refuses 2 'one scene' --scene city --load-rays "$work/a.rays" || return 1
     # shellcheck disable=SC2086
     "$bench" --scene knot:5000 --load-rays "$work/a.rays" >/dev/null 2>"$work/err"
@@ -133,7 +133,7 @@ arguments_are_refused() {
         refuses 2 'no such scene' --scene nowhere &&
         refuses 2 'one number of --threads' --device none --threads 1,2 &&
         refuses 2 'unknown option' --fast &&
-        refuses 1 'No such file' --json "$work/none/a.json" &&
+        refuses 2 'No such file' --json "$work/none/a.json" &&
         refuses 1 'none.ply' "$work/none.ply"
 }
 
