@@ -26,7 +26,8 @@ from ._errors import (
 )
 from ._hooks import Objects, Ray
 from ._options import Flag, Kind, Options, calibrate, kind_from_name, kind_name
-from ._tree import NONE, Hit, Hits, How, Stats, Tree, View, build, load
+from ._tree import How, Tree, build, load
+from ._values import NONE, Hit, Hits, Stats, View
 from .raw import lib as _lib
 
 __all__ = [

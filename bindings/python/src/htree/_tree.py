@@ -7,7 +7,7 @@ import math
 from enum import Enum
 from mmap import mmap
 from types import TracebackType
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,63 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _hooks
 from ._errors import check
 from ._mesh import Mesh
-from ._options import Flag, Kind, Options, kind_name, options_of
-from ._owner import Memory, Owner
+from ._options import Flag, Kind, Options, options_of
+from ._owner import Owner
+from ._values import Hit, Hits, Stats, View, box_array, stats_of, view_of
 from .raw import ffi, lib
-
-NONE = 0xFFFFFFFF  # HTREE_NONE, the prim of a miss
-
-
-class Hits(NamedTuple):
-    """The closest hits of a batch: views of the fields of one array of htree.hit_dtype."""
-
-    t: NDArray[np.float32]
-    u: NDArray[np.float32]
-    v: NDArray[np.float32]
-    prim: NDArray[np.uint32]
-
-    @property
-    def hit(self) -> NDArray[np.bool_]:
-        """Which rays hit something."""
-        mask: NDArray[np.bool_] = self.prim != NONE
-        return mask
-
-
-class Hit(NamedTuple):
-    """The closest hit of one ray."""
-
-    t: float
-    u: float
-    v: float
-    prim: int
-
-
-class Stats(NamedTuple):
-    """htree_stats: what the tree is made of, in the paper's terms."""
-
-    kind: str
-    triangles: int
-    objects: int
-    invalid: int
-    degenerate: int
-    nodes: int
-    leaves: int
-    references: int
-    skd_nodes: int
-    bv2_nodes: int
-    bv6_nodes: int
-    link_nodes: int
-    bvo_nodes: int
-    ternary_nodes: int
-    depth: int
-    stack: int
-    bytes: int
-    peak_bytes: int
-    build_seconds: float
-    sah_cost: float
-    subtrees: int
-    subtrees_built: int
-
 
 class How(str, Enum):
     """How `Tree.update` brings a tree to a mesh: that string may stand for it, too."""
@@ -84,23 +31,6 @@ class How(str, Enum):
 
 
 _HOW = {How.REBUILD: lib.HTREE_REBUILD, How.REFIT: lib.HTREE_REFIT}
-
-
-class View(NamedTuple):
-    """htree_view: the arrays of the tree itself, read-only. They keep its memory alive, even beyond
-    `close`. Nodes, leaves and grid are bytes, laid out as lib/tree/layout.h says for it. Triangles
-    are none in a wide tree: its leaves hold the corners."""
-
-    kind: str
-    bounds: NDArray[np.float32]
-    prims: int
-    triangle_count: int
-    object_count: int
-    stack: int
-    triangles: NDArray[np.float32]
-    nodes: NDArray[np.uint8]
-    leaves: NDArray[np.uint8]
-    grid: NDArray[np.uint8]
 
 
 class Tree:
@@ -323,10 +253,7 @@ class Tree:
         with owner.shared():
             if self._stats is not None:
                 return self._stats
-            c = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
-            check(lib.htree_get_stats(owner.pointer, c))
-            numbers = (getattr(c, name) for name in Stats._fields[1:])
-            stats = Stats(Kind(kind_name(c.kind)), *numbers)
+            stats = stats_of(owner)
             if stats.subtrees == 0:
                 self._stats = stats
             return stats
@@ -338,42 +265,20 @@ class Tree:
         box = ffi.new("htree_box *")
         with owner.shared():
             check(lib.htree_get_bounds(owner.pointer, box))
-        return _box(box)
+        return box_array(box)
 
     def view(self) -> View:
         """The arrays of the tree itself, without a copy. A lazy tree has some once it is complete,
         a compact one never: that is htree.Unsupported."""
         owner = self._open()
         with owner.shared():
-            return _view(owner)
+            return view_of(owner)
 
     def check(self) -> None:
         """Proves the structure; raises htree.CorruptError where it cannot."""
         owner = self._open()
         with owner.shared():
             check(lib.htree_check(owner.pointer))
-
-
-def _view(owner: Owner) -> View:
-    view = ffi.new("htree_view *", {"size": ffi.sizeof("htree_view")})
-    check(lib.htree_get_view(owner.pointer, view))
-    count = 9 * view.triangle_count
-    return View(
-        kind=Kind(kind_name(view.kind)),
-        bounds=_box(view.bounds),
-        prims=view.prims,
-        triangle_count=view.triangle_count,
-        object_count=view.object_count,
-        stack=view.stack,
-        triangles=Memory.array(owner, view.triangles, count, "=f4").reshape(-1, 3, 3),
-        nodes=Memory.array(owner, view.nodes, view.node_bytes, "=u1"),
-        leaves=Memory.array(owner, view.leaves, view.leaf_bytes, "=u1"),
-        grid=Memory.array(owner, view.grid, view.grid_bytes, "=u1"),
-    )
-
-
-def _box(box: Any) -> NDArray[np.float32]:
-    return np.array([list(box.lo), list(box.hi)], np.float32)
 
 
 def build(
@@ -443,7 +348,5 @@ def load(
     out = ffi.new("htree **")
     _hooks.Call().run(lib.htree_load, out, data, len(data), made)
     owner = Owner(out[0], hooks, mesh)
-    stats = ffi.new("htree_stats *", {"size": ffi.sizeof("htree_stats")})
-    check(lib.htree_get_stats(owner.pointer, stats))
-    options = Options(Kind(kind_name(stats.kind)), threads=threads)
+    options = Options(Kind(stats_of(owner).kind), threads=threads)
     return Tree(owner, options)
