@@ -4,7 +4,10 @@
  * are small: the order costs rays little. */
 #include "wide.h"
 
-enum { KEYS = 64 /* two bits an axis */ };
+enum {
+    KEYS = 64,                /* two bits an axis */
+    FEW = HT_LANES * HT_LANES /* most errands have no more prims */
+};
 
 /* Prims of each child but the last. */
 static uint32_t share_of(uint32_t prims) {
@@ -39,7 +42,7 @@ typedef struct building {
     ht_box4 centroids;
     uint32_t id[HT_WIDE_CELL_PRIMS];
     ht_f4 centroid[HT_WIDE_CELL_PRIMS];
-    ht_corners corners[HT_WIDE_CELL_PRIMS]; /* of triangles */
+    ht_corners corners[FEW]; /* of triangles, where there are few */
     uint16_t order[HT_WIDE_CELL_PRIMS];
 } building;
 
@@ -50,11 +53,11 @@ static void add_prim(building *b, uint32_t id) {
     const uint32_t i = b->count++;
     ht_box4 box;
     b->id[i] = id;
-    if (id < source->triangle_count) {
+    if (id < source->triangle_count && i < FEW) {
         b->corners[i] = ht_source_corners(source, id);
         box = ht_corners_box(&b->corners[i]);
     } else {
-        box = ht_box4_of(&source->boxes[id - source->triangle_count]);
+        box = ht_source_box(source, id);
     }
     b->centroid[i] = ht_f4_add(box.lo, box.hi);
     ht_box4_add(&b->centroids, b->centroid[i], b->centroid[i]);
@@ -117,8 +120,9 @@ static ht_box4 write_any(const building *b, const uint16_t *order, uint32_t coun
 
 static uint32_t add_leaf(building *b, uint32_t start, uint32_t count, ht_box4 *box) {
     ht_wide_leaf *leaf = &b->leaves[b->next_leaf];
-    *box = b->source->object_count ? write_any(b, b->order + start, count, leaf)
-                                   : write_triangles(b, b->order + start, count, leaf);
+    const bool has_corners = b->count <= FEW && b->source->object_count == 0;
+    *box = has_corners ? write_triangles(b, b->order + start, count, leaf)
+                       : write_any(b, b->order + start, count, leaf);
     return HT_WIDE_LEAF | b->next_leaf++;
 }
 

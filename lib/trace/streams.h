@@ -17,7 +17,7 @@
 
 enum {
     STREAMS = 64,  /* bits of a ray_set */
-    WAITING = 7168 /* children that may wait: a deep tree has fewer rays in flight */
+    WAITING = 3072 /* children that may wait: a deep tree has fewer rays in flight */
 };
 
 #define HT_STREAM_LEAST 8.673617379884035e-19f /* 2^-60 */
