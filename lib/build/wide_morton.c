@@ -39,38 +39,40 @@ typedef struct building {
     ht_wide_leaf *leaves;
     uint32_t next_node, next_leaf;
     uint32_t count;
+    bool few; /* triangles alone, and so few that corners has room */
     ht_box4 centroids;
     uint32_t id[HT_WIDE_CELL_PRIMS];
     ht_f4 centroid[HT_WIDE_CELL_PRIMS];
-    ht_corners corners[FEW]; /* of triangles, where there are few */
+    ht_corners corners[FEW]; /* if few */
     uint16_t order[HT_WIDE_CELL_PRIMS];
 } building;
 
 /* ---- The order ------------------------------------------------------------------------------ */
 
-static void add_prim(building *b, uint32_t id) {
-    const ht_source *source = b->source;
-    const uint32_t i = b->count++;
-    ht_box4 box;
-    b->id[i] = id;
-    if (id < source->triangle_count && i < FEW) {
-        b->corners[i] = ht_source_corners(source, id);
-        box = ht_corners_box(&b->corners[i]);
-    } else {
-        box = ht_source_box(source, id);
-    }
-    b->centroid[i] = ht_f4_add(box.lo, box.hi);
-    ht_box4_add(&b->centroids, b->centroid[i], b->centroid[i]);
-}
-
-static void gather(building *b, const uint32_t *order, const ht_wide_run *cells) {
-    b->count = 0;
-    b->centroids = ht_box4_empty();
+/* With `few`, corners are kept: a leaf needs them soon. */
+HT_INLINE void gather(building *b, const uint32_t *order, const ht_wide_run *cells,
+                      const bool few) {
+    const ht_source source = *b->source; /* which no store can change */
+    ht_box4 centroids = ht_box4_empty();
+    uint32_t n = 0;
     for (uint32_t i = 0; i < cells->count; ++i) {
         const uint32_t *ids = order + ht_cell_first(&cells->items[i]);
         const uint32_t count = ht_cell_prims(&cells->items[i]);
-        for (uint32_t k = 0; k < count; ++k) add_prim(b, ids[k]);
+        for (uint32_t k = 0; k < count; ++k, ++n) {
+            ht_box4 box;
+            if (few) {
+                b->corners[n] = ht_source_corners(&source, ids[k]);
+                box = ht_corners_box(&b->corners[n]);
+            } else {
+                box = ht_source_box(&source, ids[k]);
+            }
+            b->id[n] = ids[k];
+            b->centroid[n] = ht_f4_add(box.lo, box.hi);
+            ht_box4_add(&centroids, b->centroid[n], b->centroid[n]);
+        }
     }
+    b->count = n;
+    b->centroids = centroids;
 }
 
 /* A counting sort by Morton codes of four cells an axis: above or below the middle of each axis,
@@ -120,9 +122,8 @@ static ht_box4 write_any(const building *b, const uint16_t *order, uint32_t coun
 
 static uint32_t add_leaf(building *b, uint32_t start, uint32_t count, ht_box4 *box) {
     ht_wide_leaf *leaf = &b->leaves[b->next_leaf];
-    const bool has_corners = b->count <= FEW && b->source->object_count == 0;
-    *box = has_corners ? write_triangles(b, b->order + start, count, leaf)
-                       : write_any(b, b->order + start, count, leaf);
+    *box = b->few ? write_triangles(b, b->order + start, count, leaf)
+                  : write_any(b, b->order + start, count, leaf);
     return HT_WIDE_LEAF | b->next_leaf++;
 }
 
@@ -154,7 +155,11 @@ void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32
     b.leaves = tree->leaves;
     b.next_node = errand->node;
     b.next_leaf = errand->leaf;
-    gather(&b, order, &errand->cells);
+    b.few = errand->cells.prims <= FEW && source->object_count == 0;
+    if (b.few)
+        gather(&b, order, &errand->cells, true);
+    else
+        gather(&b, order, &errand->cells, false);
     sort_prims(&b);
     const uint32_t child =
         b.count <= HT_LANES ? add_leaf(&b, 0, b.count, &box) : add_node(&b, 0, b.count, &box);
