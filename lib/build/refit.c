@@ -2,8 +2,8 @@
  *
  * Builders write nodes and leaves in the order of a walk, so memory is read in its own order: tasks
  * take runs of nodes, fill the leaves below each, and then close nodes backwards, children before
- * parents. A node with a child outside of its task's run stays open; those few are closed in the end.
- * Boxes are as exact as those of a build; what suffers is their fit, which the areas tell.
+ * parents. A node with a child outside of its task's run stays open; those few are closed in the
+ * end. Boxes are as exact as those of a build; what suffers is their fit, which the areas tell.
  *
  * The survey of the mesh is made in the same parallel loop, before its first task: to start threads
  * twice costs more than to wait. */
@@ -198,7 +198,8 @@ static void survey_and_refit(void *data, uint32_t index) {
     if (ht_survey_help(&r->survey)) refit_run(data, index);
 }
 
-/* Returns the areas of all boxes. One round will do, unless a file had its nodes in another order. */
+/* Returns the areas of all boxes. One round will do, unless a file had its nodes in
+ * another order. */
 static double close_all(const refitting *r) {
     const run all = {0, r->tree->node_slots};
     double areas = 0;

@@ -4,8 +4,8 @@
 
 #include "source.h"
 
-/* Brings a wide tree to the mesh without building, if *done says so: then *ratio is the cost now over
- * that of the build. Else the tree is as it was, and so it is after an error: GEOMETRY, MEMORY. */
+/* Brings a wide tree to the mesh without building, if *done says so: then *ratio is the cost now
+ * over that of the build. Else the tree is as it was, and so it is after an error: GEOMETRY, MEMORY. */
 htree_status ht_refit(htree *tree, const htree_mesh *mesh, bool *done, double *ratio);
 
 #endif

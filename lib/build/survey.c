@@ -1,8 +1,8 @@
 /* survey.c: whether the tree's leaves can take a mesh as it is now.
  *
- * Where everything is in range, triangles without area are all that could be new, and those do no harm
- * in a leaf. So it is enough to read the arrays in their order, which is faster than triangle by
- * triangle, and to judge the few prims that the tree does not refer to. */
+ * Where everything is in range, triangles without area are all that could be new, and those do no
+ * harm in a leaf. So it is enough to read the arrays in their order, which is faster than triangle
+ * by triangle, and to judge the few prims that the tree does not refer to. */
 #include "survey.h"
 
 #ifndef HTREE_NO_THREADS

@@ -16,8 +16,8 @@ typedef struct ht_survey {
 /* Finds the prims that the tree was built without, once for all surveys of it. */
 htree_status ht_survey_begin(ht_survey *survey, htree *tree, const ht_source *source);
 
-/* Surveys chunks until all are taken, and waits for those that other threads are at. Whether all that
- * the tree refers to is in range, and nothing else can be hit. */
+/* Surveys chunks until all are taken, and waits for those that other threads are at. Whether all
+ * that the tree refers to is in range, and nothing else can be hit. */
 bool ht_survey_help(ht_survey *survey);
 
 /* After that, where something was odd: prim by prim whether the same prims as ever can be hit.

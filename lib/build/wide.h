@@ -101,8 +101,8 @@ void ht_wide_write_corners(const ht_corners corners[HT_LANES], ht_wide_leaf *lea
 /* The same of a leaf that has its prims. */
 ht_box4 ht_wide_fill_leaf(ht_isa isa, const ht_source *source, ht_wide_leaf *leaf);
 
-/* x86/leaf_avx2.c: the triangles of a leaf that has some, and their box; false, and nothing done, if
- * they are not to be read this way. */
+/* x86/leaf_avx2.c: the triangles of a leaf that has some, and their box; false, and nothing done,
+ * if they are not to be read this way. */
 bool ht_wide_fill_avx2(const ht_source *source, uint32_t triangles, ht_wide_leaf *leaf,
                        ht_box4 *box);
 

@@ -8,8 +8,8 @@
 
 #define HT_TARGET __attribute__((target("avx2")))
 
-/* Bytes from the first position to corner k of each triangle. False if one of them is the last vertex,
- * after which no fourth float may be read. */
+/* Bytes from the first position to corner k of each triangle. False if one of them is the last
+ * vertex, after which no fourth float may be read. */
 HT_TARGET HT_INLINE bool find_corners(const ht_source *source, __m256i prims,
                                       uint32_t from[3][HT_LANES]) {
     const __m256i first = _mm256_add_epi32(prims, _mm256_add_epi32(prims, prims));
