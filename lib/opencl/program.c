@@ -6,8 +6,9 @@
 
 #include <stdio.h>
 
-/* Rays of a work-group: enough to fill a GPU's core, few enough to balance a CPU's. */
-enum { USUAL_GROUP = 64 };
+/* Rays of a work-group: enough to fill a GPU's core, few enough to balance a CPU's. A wide tree on
+ * a CPU has many of them in flight on a thread: see cl/wide.cl. */
+enum { USUAL_GROUP = 64, STREAMS_GROUP = 512 };
 
 /* ---- Compile -------------------------------------------------------------------------------- */
 
@@ -99,9 +100,10 @@ void ht_cl_give_kernel(htree_cl *device, ht_cl_program *program, bool any, cl_ke
 }
 
 /* The largest that both kernels take, up to what is wanted. */
-static htree_status choose_group(htree_cl *device, ht_cl_program *program) {
+static htree_status choose_group(htree_cl *device, ht_cl_file file, ht_cl_program *program) {
     const uint32_t wanted = device->options.group_size;
-    program->group_size = wanted ? wanted : USUAL_GROUP;
+    const bool streams = file == HT_CL_WIDE && device->info.type & CL_DEVICE_TYPE_CPU;
+    program->group_size = wanted ? wanted : streams ? STREAMS_GROUP : USUAL_GROUP;
     for (int any = 0; any < 2; ++any) {
         cl_kernel kernel;
         size_t most = 0;
@@ -133,7 +135,7 @@ static htree_status make_program(htree_cl *device, ht_cl_file file, uint32_t sta
                                  ht_cl_program *program) {
     const double start = ht_seconds();
     HT_TRY(build_program(device, file, stack, &program->program));
-    HT_TRY(choose_group(device, program));
+    HT_TRY(choose_group(device, file, program));
     HT_TRY(ht_cl_prove(device, file, program));
     __atomic_add_fetch(&device->compile_nanoseconds, (uint64_t)(1e9 * (ht_seconds() - start)),
                        __ATOMIC_RELAXED);
