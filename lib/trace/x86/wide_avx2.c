@@ -25,6 +25,18 @@ HT_TARGET HT_INLINE __m256 pick(__m256 mask, __m256 yes, __m256 no) {
     return _mm256_blendv_ps(no, yes, mask);
 }
 
+HT_TARGET HT_INLINE ray_set sort_out(const uint32_t next[STREAMS], ray_set *ended) {
+    ray_set elsewhere = 0;
+    *ended = 0;
+    for (uint32_t i = 0; i < STREAMS; i += HT_LANES) {
+        const __m256i word = _mm256_loadu_si256((const __m256i *)(const void *)(next + i));
+        const __m256i end = _mm256_cmpeq_epi32(word, _mm256_set1_epi32((int)HT_WIDE_NONE));
+        elsewhere |= (ray_set)(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(word)) << i;
+        *ended |= (ray_set)(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(end)) << i;
+    }
+    return elsewhere;
+}
+
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx2_walks);
 #else
 typedef int ht_no_avx2; /* a file is not empty */

@@ -22,6 +22,17 @@ HT_TARGET HT_INLINE __m256 pick(__m256 mask, __m256 yes, __m256 no) {
         _mm256_castps_si256(mask), _mm256_castps_si256(yes), _mm256_castps_si256(no), 0xca));
 }
 
+HT_TARGET HT_INLINE ray_set sort_out(const uint32_t next[STREAMS], ray_set *ended) {
+    ray_set elsewhere = 0;
+    *ended = 0;
+    for (uint32_t i = 0; i < STREAMS; i += 2 * HT_LANES) {
+        const __m512i word = _mm512_loadu_si512(next + i), none = _mm512_set1_epi32(-1);
+        elsewhere |= (ray_set)_mm512_movepi32_mask(word) << i;
+        *ended |= (ray_set)_mm512_cmpeq_epi32_mask(word, none) << i;
+    }
+    return elsewhere;
+}
+
 HT_DEFINE_BLOCK_WALKS(ht_wide_avx512_walks);
 #else
 typedef int ht_no_avx512; /* a file is not empty */
