@@ -17,7 +17,7 @@
 
 enum {
     STREAMS = 64,  /* bits of a ray_set */
-    WAITING = 3072 /* children that may wait: a deep tree has fewer rays in flight */
+    WAITING = 3072 /* children that may wait; twice as many for `any`, which asks for no distance */
 };
 
 #define HT_STREAM_LEAST 8.673617379884035e-19f /* 2^-60 */
@@ -58,8 +58,13 @@ typedef struct streams {
     stream ray[STREAMS];
     uint32_t next[STREAMS];  /* where each is: child[top]; HT_WIDE_NONE: it has its answer */
     uint32_t lanes[STREAMS]; /* of the leaf that it is at: the candidates */
-    uint32_t child[WAITING];
-    float tnear[WAITING];
+    union {
+        uint32_t child[2 * WAITING];
+        struct {
+            uint32_t child[WAITING];
+            float tnear[WAITING];
+        } closest;
+    } on; /* the stacks of all */
 } streams;
 
 /* Writes the children that the ray meets to child, the one that it is likely to meet first last, and
@@ -121,11 +126,11 @@ HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf
 HT_INLINE void leave_behind(streams *all, stream *s, const bool any) {
     uint32_t kept = s->bottom + 1;
     for (uint32_t i = kept; !any && i < s->top; ++i) {
-        all->child[kept] = all->child[i];
-        all->tnear[kept] = all->tnear[i];
-        kept += all->tnear[kept] <= s->hit.t;
+        all->on.child[kept] = all->on.child[i];
+        all->on.closest.tnear[kept] = all->on.closest.tnear[i];
+        kept += all->on.closest.tnear[kept] <= s->hit.t;
     }
-    all->child[kept] = all->child[s->top];
+    all->on.child[kept] = all->on.child[s->top];
     s->top = kept;
 }
 
@@ -147,8 +152,10 @@ HT_TARGET HT_INLINE void visit_nodes(const htree *tree, streams *all, ray_set se
             expand_node(tree, all->next[i], &room);
             node = &room;
         }
-        top += step_node(node, s, all->child + top, all->tnear + top, any) - 1;
-        all->next[i] = all->child[top];
+        top +=
+            step_node(node, s, all->on.child + top, all->on.closest.tnear + (any ? 0 : top), any) -
+            1;
+        all->next[i] = all->on.child[top];
         s->top = top;
     }
 }
@@ -170,7 +177,7 @@ HT_TARGET HT_INLINE ray_set visit_leaves(const htree *tree, const ht_block *bloc
         const uint32_t i = first_of(set), child = all->next[i];
         stream *s = &all->ray[i];
         if (HT_UNLIKELY(ht_wide_is_pending(child))) {
-            all->next[i] = all->child[s->top] = ht_wide_resolve(tree, child);
+            all->next[i] = all->on.child[s->top] = ht_wide_resolve(tree, child);
             continue;
         }
         const ht_wide_leaf *leaf = leaf_of(tree, child, &room, compact);
@@ -183,7 +190,7 @@ HT_TARGET HT_INLINE ray_set visit_leaves(const htree *tree, const ht_block *bloc
         all->lanes[i] = lanes;
         judged |= (ray_set)(lanes != 0) << i;
         s->top -= lanes == 0;
-        all->next[i] = all->child[s->top];
+        all->next[i] = all->on.child[s->top];
     }
     return judged;
 }
@@ -205,7 +212,7 @@ HT_TARGET HT_INLINE void judge(const htree *tree, streams *all, ray_set set, con
                 met = ht_keep_nearer(&s->hit, &found, leaf->prim[lane]);
         }
         if (met) leave_behind(all, s, any);
-        all->next[i] = all->child[--s->top];
+        all->next[i] = all->on.child[--s->top];
     }
 }
 
@@ -270,13 +277,14 @@ HT_TARGET HT_INLINE bool next_ray(const htree *tree, const ht_block *block, supp
     return true;
 }
 
-/* Gives each ray its part of the stacks, and returns how many there are. */
-HT_INLINE uint32_t share_stacks(const htree *tree, streams *all) {
-    const uint32_t part = tree->stack + 2 + HT_LANES;
+/* Gives each ray its part of the stacks, and returns how many there are: a deep tree has fewer rays in
+ * flight. */
+HT_INLINE uint32_t share_stacks(const htree *tree, streams *all, const bool any) {
+    const uint32_t part = tree->stack + 2 + HT_LANES, room = any ? 2 * WAITING : WAITING;
     uint32_t count = 0;
-    for (; count < STREAMS && (count + 1) * part <= WAITING; ++count) {
+    for (; count < STREAMS && (count + 1) * part <= room; ++count) {
         all->ray[count].bottom = count * part;
-        all->child[count * part] = HT_WIDE_NONE;
+        all->on.child[count * part] = HT_WIDE_NONE;
     }
     return count;
 }
@@ -300,7 +308,7 @@ HT_TARGET HT_INLINE void walk_block(const htree *tree, const ht_block *block, co
                                     const bool compact) {
     streams all;
     supply from;
-    const uint32_t count = share_stacks(tree, &all);
+    const uint32_t count = share_stacks(tree, &all, any);
     ray_set flying = 0, judged = 0;
     from.left = 0;
     from.next = 0;
