@@ -19,7 +19,7 @@ OPT_release := -O3 -DNDEBUG -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIF
 OPT_debug := -O1 -g
 OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 OPT_tsan := -O1 -g -fsanitize=thread
-OPT_coverage := -O0 -g --coverage
+OPT_coverage := -O0 -g --coverage -D'HT_INLINE=static inline'
 ifndef OPT_$(config)
 $(error config=$(config): use release, debug, sanitize, tsan or coverage)
 endif

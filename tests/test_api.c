@@ -316,6 +316,30 @@ static void build_refuses_indices_outside_the_vertices(void **state) {
     assert_not_built(&mesh, NULL, HTREE_ERROR_GEOMETRY);
 }
 
+static void build_refuses_strides_beyond_memory_and_odd_addresses(void **state) {
+    htree_mesh mesh = good_mesh();
+    (void)state;
+    mesh.vertex_count = UINT64_MAX / 12 + 1;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    mesh.position_stride = 64;
+    mesh.vertex_count = UINT64_MAX / 64 + 1;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    mesh = good_mesh();
+    mesh.positions = (const float *)(const void *)((const char *)mesh.positions + 2);
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+    mesh = good_mesh();
+    mesh.indices = (const uint32_t *)(uintptr_t)1;
+    assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
+}
+
+static void calibration_refuses_options_of_no_size(void **state) {
+    htree_options options = options_of(HTREE_H);
+    (void)state;
+    options.size = sizeof options - 1;
+    assert_int_equal(htree_calibrate(&options), HTREE_ERROR_ARGUMENT);
+    assert_int_equal(htree_calibrate(NULL), HTREE_ERROR_ARGUMENT);
+}
+
 static int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
     (void)user;
     (void)object;
@@ -399,6 +423,8 @@ int main(void) {
         cmocka_unit_test(build_refuses_bad_strides),
         cmocka_unit_test(build_refuses_bad_pointers_and_reserved_words),
         cmocka_unit_test(build_refuses_indices_outside_the_vertices),
+        cmocka_unit_test(build_refuses_strides_beyond_memory_and_odd_addresses),
+        cmocka_unit_test(calibration_refuses_options_of_no_size),
         cmocka_unit_test(build_refuses_counts_beyond_the_limit_before_it_reads),
         cmocka_unit_test(build_refuses_bad_objects),
         cmocka_unit_test(an_empty_mesh_may_have_no_arrays),

@@ -167,6 +167,46 @@ static void bad_triangles_are_skipped_and_counted(void **state) {
     report("bad triangles");
 }
 
+/* Several threads read it, and what each of them skips leaves gaps. */
+static void bad_triangles_of_a_large_mesh_are_skipped(void **state) {
+    shape s = shape_of("soup", 20000, 3);
+    const htree_mesh indexed = mesh_of(&s);
+    float *const xyz = (float *)take(9 * s.triangle_count * sizeof *xyz);
+    dice d = {5};
+    (void)state;
+    for (uint64_t i = 0; i < 3 * s.triangle_count; ++i)
+        memcpy(xyz + 3 * i, mesh_corner(&indexed, i / 3, (uint32_t)(i % 3)), 3 * sizeof *xyz);
+    spoil(xyz, s.triangle_count, &d);
+    const htree_mesh mesh = plain_mesh(xyz, s.triangle_count);
+    exam e = exam_of(&mesh, 100, 6);
+    for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
+        htree_options options = options_of(kind);
+        options.threads = 3;
+        (void)prove(&e, &options);
+    }
+    exam_free(&e);
+    free(xyz);
+    shape_free(&s);
+}
+
+/* A bounding node for nearly every other. */
+static void trees_of_bounding_nodes_equal_oracle(void **state) {
+    shape s = shape_of("soup", 20000, 4);
+    const htree_mesh mesh = mesh_of(&s);
+    exam e = exam_of(&mesh, 100, 7);
+    (void)state;
+    for (htree_kind kind = HTREE_H; kind <= HTREE_AH; ++kind) {
+        htree_options options = options_of(kind);
+        options.cost_skd = 1000;
+        options.cost_bv2 = 1e6f;
+        options.cost_bv6 = 0.001f;
+        const htree_stats stats = prove(&e, &options);
+        assert_true(stats.bv6_nodes > mesh.triangle_count / 2);
+    }
+    exam_free(&e);
+    shape_free(&s);
+}
+
 /* Any 32 bits are a coordinate. */
 static void random_bit_patterns_are_geometry(void **state) {
     enum { N = 200 };
@@ -310,6 +350,8 @@ int main(void) {
         cmocka_unit_test(every_size_up_to_1024_equals_oracle),
         cmocka_unit_test(bvh_sah_and_h_are_built),
         cmocka_unit_test(bad_triangles_are_skipped_and_counted),
+        cmocka_unit_test(bad_triangles_of_a_large_mesh_are_skipped),
+        cmocka_unit_test(trees_of_bounding_nodes_equal_oracle),
         cmocka_unit_test(random_bit_patterns_are_geometry),
         cmocka_unit_test(strict_builds_refuse_bad_numbers_only),
         cmocka_unit_test(the_largest_coordinate_is_valid),

@@ -114,6 +114,40 @@ static void balls_among(const char *name, uint64_t triangles, uint32_t count, ui
     shape_free(&s);
 }
 
+/* The same nodes around triangles and balls that have moved, for a callback that is told of them. */
+static void refitted_balls_equal_the_oracle(void **state) {
+    enum { COUNT = 50, RAYS = 2000 };
+    static ball balls[COUNT];
+    static htree_ray rays[RAYS];
+    static htree_hit truth[RAYS];
+    htree_box boxes[COUNT];
+    shape s = shape_of("knot", 2000, 1);
+    htree_mesh mesh = mesh_of(&s);
+    const ray_target target = ray_target_of(&mesh);
+    const htree_objects objects = {boxes, COUNT, hit_ball, balls};
+    dice d = {4};
+    (void)state;
+    mesh.objects = &objects;
+    make_balls(balls, boxes, COUNT, &target.box, &d);
+    htree *const tree = tree_of_kind(&mesh, HTREE_WIDE);
+    const uint64_t nodes = stats_of(tree).nodes;
+    for (uint32_t step = 0; step < 5; ++step) {
+        make_balls(balls, boxes, COUNT, &target.box, &d);
+        for (uint64_t i = 0; i < 3 * s.vertex_count; ++i) s.positions[i] *= 1.1f;
+        assert_int_equal(htree_update(tree, &mesh, HTREE_REFIT, NULL), HTREE_OK);
+        assert_int_equal(htree_check(tree), HTREE_OK);
+        assert_int_equal(stats_of(tree).nodes, nodes);
+        oracle o = oracle_of(&mesh);
+        rays_make_mixed(&target, &d, rays, RAYS);
+        hits_found += oracle_batch(&o, rays, RAYS, truth);
+        assert_int_equal(batch_differs(tree, rays, truth, RAYS), 0);
+        rays_compared += RAYS;
+        oracle_free(&o);
+    }
+    htree_free(tree);
+    shape_free(&s);
+}
+
 static void report(void **state) {
     (void)state;
     say("%llu rays with objects, %llu hits, 0 differences", (unsigned long long)rays_compared,
@@ -248,6 +282,7 @@ int main(void) {
         cmocka_unit_test(answers_outside_the_interval_or_with_nan_are_ignored),
         cmocka_unit_test(bad_boxes_are_skipped_and_counted),
         cmocka_unit_test(ties_go_to_the_lowest_prim),
+        cmocka_unit_test(refitted_balls_equal_the_oracle),
         cmocka_unit_test(report),
     };
     return cmocka_run_group_tests_name("objects", tests, NULL, NULL);

@@ -18,7 +18,9 @@
 #endif
 
 #if defined(__GNUC__)
-#define HT_INLINE              static inline __attribute__((always_inline))
+#ifndef HT_INLINE /* reports of coverage have functions once */
+#define HT_INLINE static inline __attribute__((always_inline))
+#endif
 #define HT_NOINLINE            __attribute__((noinline))
 #define HT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define HT_UNLIKELY(x)         __builtin_expect(!!(x), 0)

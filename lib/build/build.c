@@ -23,12 +23,11 @@ static const struct {
     {HTREE_AH, ht_build_ah, false},
     {HTREE_WIDE, ht_build_wide, true},
 };
-enum { BUILDERS = sizeof builders / sizeof *builders };
 
-/* Index of the kind's row, or BUILDERS. */
+/* Index of the kind's row. */
 static size_t find_builder(htree_kind kind) {
     size_t i = 0;
-    while (i < BUILDERS && builders[i].kind != kind) ++i;
+    while (builders[i].kind != kind) ++i;
     return i;
 }
 
@@ -122,14 +121,9 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
     htree_options options;
     HT_TRY(ht_options_read(given, &options));
     HT_TRY(ht_verify_mesh(mesh));
-    const size_t row = find_builder(options.kind);
-    if (row == BUILDERS) {
-        return ht_fail(HTREE_ERROR_UNSUPPORTED, "this version of the library cannot build kind %s",
-                       htree_kind_name(options.kind));
-    }
     htree *tree = tree_new(mesh, &options);
     if (!tree) return HTREE_ERROR_MEMORY;
-    const htree_status status = build_tree(tree, mesh, &options, row);
+    const htree_status status = build_tree(tree, mesh, &options, find_builder(options.kind));
     if (status != HTREE_OK) {
         htree_free(tree);
         return status;

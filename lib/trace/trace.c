@@ -14,10 +14,9 @@ static const struct {
 };
 
 static const ht_walks *find_walks(htree_kind kind) {
-    for (size_t i = 0; i < sizeof walkers / sizeof *walkers; ++i) {
-        if (walkers[i].kind == kind) return walkers[i].walks;
-    }
-    return NULL;
+    size_t i = 0;
+    while (walkers[i].kind != kind) ++i;
+    return walkers[i].walks;
 }
 
 /* The one place that chooses among instruction sets; NULL: rays go one by one. */

@@ -211,8 +211,7 @@ bool ht_view_node(const htree *tree, const ht_place *place, ht_wide_leaf *room,
     case HTREE_SKD:
     case HTREE_H:
     case HTREE_AH: return view_h(tree, place, view);
-    case HTREE_WIDE: return view_wide(tree, place, room, view);
-    default: return false;
+    default: return view_wide(tree, place, room, view);
     }
 }
 
