@@ -230,7 +230,7 @@ ht_place ht_root_place(const htree *tree) {
 /* Depth first by recursion, which the check of `branches` bounds: chains of bounding and link nodes
  * are followed in the loop. */
 static htree_status visit_below(const htree *tree, const ht_place *top, ht_wide_leaf *room,
-                                uint64_t *budget, ht_see_node *see, void *data) {
+                                ht_see_node *see, void *data) {
     ht_place place = *top;
     for (;;) {
         ht_node_view view;
@@ -238,15 +238,14 @@ static htree_status visit_below(const htree *tree, const ht_place *top, ht_wide_
             return ht_fail(HTREE_ERROR_CORRUPT, "slot %lu holds no node",
                            (unsigned long)place.slot);
         }
-        /* More nodes than slots, or branches than builders make: the links form a cycle. */
-        if ((*budget)-- == 0 || place.branches > ht_stack_limit(tree->kind)) {
+        if (place.branches > ht_stack_limit(tree->kind)) {
             return ht_fail(HTREE_ERROR_CORRUPT, "the nodes do not form a tree at slot %lu",
                            (unsigned long)place.slot);
         }
         HT_TRY(see(data, &place, &view));
         if (view.child_count == 0) return HTREE_OK;
         for (uint32_t i = 1; i < view.child_count; ++i) {
-            HT_TRY(visit_below(tree, &view.child[i], room, budget, see, data));
+            HT_TRY(visit_below(tree, &view.child[i], room, see, data));
         }
         place = view.child[0];
     }
@@ -283,7 +282,6 @@ htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data) {
     if (tree->prim_count == 0) return HTREE_OK;
     if (tree->kind == HTREE_UG) return visit_cells(tree, see, data);
     const ht_place root = ht_root_place(tree);
-    uint64_t budget = ht_slot_count(tree);
     ht_wide_leaf room;
-    return visit_below(tree, &root, &room, &budget, see, data);
+    return visit_below(tree, &root, &room, see, data);
 }

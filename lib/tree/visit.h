@@ -47,7 +47,7 @@ ht_place ht_root_place(const htree *tree);
 bool ht_view_node(const htree *tree, const ht_place *place, ht_wide_leaf *room, ht_node_view *view);
 
 /* Calls see(data, place, view) for every node, parents first, until it fails. CORRUPT if a node
- * cannot be viewed or the nodes are no tree. */
+ * cannot be viewed or lies deeper than a walk's stack; cycles go on until `see` fails. */
 typedef htree_status ht_see_node(void *data, const ht_place *place, const ht_node_view *view);
 htree_status ht_visit_nodes(const htree *tree, ht_see_node *see, void *data);
 
