@@ -9,7 +9,7 @@
 
 enum {
     MOST_CHUNKS = 16,
-    PIECES = 16,
+    MOST_PIECES = 16,
     PRIMS_A_CHUNK = 4096,
     PRIMS_A_CELL = 8, /* one of a few cells is occupied where prims form surfaces */
     MOST_CELLS = 1 << 18,
@@ -39,7 +39,8 @@ typedef struct scan {
     bool strict, in_range;
     uint32_t chunks;
     chunk part[MOST_CHUNKS];
-    piece pieces[PIECES];
+    uint32_t piece_count;
+    piece pieces[MOST_PIECES];
 } scan;
 
 /* ---- How far the mesh reaches --------------------------------------------------------------- */
@@ -86,11 +87,12 @@ static void measure_piece(void *data, uint32_t index) {
     scan *s = (scan *)data;
     const ht_source *source = s->source;
     const uint64_t vertices = source->vertex_count, objects = source->object_count;
-    const uint64_t first = vertices * index / PIECES, end = vertices * (index + 1) / PIECES;
+    const uint64_t pieces = s->piece_count;
+    const uint64_t first = vertices * index / pieces, end = vertices * (index + 1) / pieces;
     piece *p = &s->pieces[index];
     p->in_range = measure_vertices(source, first, end, &p->extent);
     if (!p->in_range) p->extent = valid_extent_of(source, first, end);
-    for (uint64_t i = objects * index / PIECES; i < objects * (index + 1) / PIECES; ++i)
+    for (uint64_t i = objects * index / pieces; i < objects * (index + 1) / pieces; ++i)
         add_valid(&p->extent, source->boxes[i].lo, source->boxes[i].hi);
 }
 
@@ -99,7 +101,7 @@ static void shape_grid(scan *s) {
     const double wanted = prims < CELLS_PAY ? 1 : (double)prims / PRIMS_A_CELL;
     htree_box all = ht_box_empty();
     s->in_range = true;
-    for (uint32_t i = 0; i < PIECES; ++i) {
+    for (uint32_t i = 0; i < s->piece_count; ++i) {
         ht_box_add(&all, &s->pieces[i].extent);
         s->in_range &= s->pieces[i].in_range;
     }
@@ -257,6 +259,8 @@ static void cut_chunks(scan *s) {
         c->end = (uint32_t)(prims * (i + 1) / chunks);
         c->bad = HTREE_NONE;
     }
+    const uint64_t pieces = (s->source->vertex_count + s->source->object_count) / PRIMS_A_CHUNK + 1;
+    s->piece_count = pieces < MOST_PIECES ? (uint32_t)pieces : MOST_PIECES;
 }
 
 static htree_status scan_and_sort(scan *s) {
@@ -277,7 +281,7 @@ htree_status ht_wide_scan(ht_wide_build *build) {
     s.cells = &build->cells;
     s.strict = (builder->options->flags & HTREE_STRICT) != 0;
     cut_chunks(&s);
-    ht_builder_run(builder, PIECES, measure_piece, &s);
+    ht_builder_run(builder, s.piece_count, measure_piece, &s);
     shape_grid(&s);
     const uint64_t cell_bytes = sizeof(uint32_t) + sizeof(ht_box4);
     const uint64_t bytes = s.chunks * cell_bytes * s.grid.total;
