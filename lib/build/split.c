@@ -268,3 +268,71 @@ void ht_split_apply(const ht_split *split, ht_prim *prims, ht_prim *spare, uint3
     assert(left == split->left_count && left > 0 && right > 0);
     memcpy(prims + left, spare, right * sizeof *spare);
 }
+
+/* ---- Full blocks ---------------------------------------------------------------------------- */
+
+enum { MOST_IN_BUCKET = 48 };
+
+/* The prims of a bucket among `count`, or MOST_IN_BUCKET + 1 for more. */
+static uint32_t list_bucket(const ht_split *split, const ht_prim *prims, uint32_t count,
+                            uint32_t wanted, uint32_t *list) {
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < count && listed <= MOST_IN_BUCKET; ++i) {
+        list[listed] = i;
+        listed += bucket_index(split, centroid(&prims[i], split->axis)) == wanted;
+    }
+    return listed;
+}
+
+static void swap_prims(ht_prim *a, ht_prim *b) {
+    const ht_prim was = *a;
+    *a = *b;
+    *b = was;
+}
+
+/* Brings the `moved` last prims of the listed ones, by centroid, to the end of the side; or, mirrored,
+ * the first to its start. */
+static void bring_to_edge(const ht_split *split, ht_prim *side, uint32_t count, uint32_t *list,
+                          uint32_t listed, uint32_t moved, bool to_end) {
+    for (uint32_t k = 0; k < moved; ++k) {
+        const uint32_t edge = to_end ? count - 1 - k : k;
+        uint32_t best = k;
+        for (uint32_t i = k + 1; i < listed; ++i) {
+            const float c = centroid(&side[list[i]], split->axis);
+            const float d = centroid(&side[list[best]], split->axis);
+            best = (to_end ? c > d : c < d) ? i : best;
+        }
+        const uint32_t from = list[best];
+        list[best] = list[k];
+        for (uint32_t i = k + 1; i < listed; ++i)
+            if (list[i] == edge) list[i] = from;
+        swap_prims(&side[from], &side[edge]);
+    }
+}
+
+void ht_split_fill_blocks(ht_split *split, ht_prim *prims, uint32_t count, uint32_t block_bits) {
+    const uint32_t block = 1u << block_bits, left = split->left_count, right = count - left;
+    const uint32_t rest_left = left % block, rest_right = right % block;
+    if (split->plane == 0 || rest_left == 0 || rest_right == 0 || rest_left + rest_right > block)
+        return;
+    const bool from_left = left > block && (rest_left <= rest_right || right < block);
+    if (!from_left && right < block) return;
+    const uint32_t moved = from_left ? rest_left : rest_right;
+    uint32_t list[MOST_IN_BUCKET + 1];
+    ht_prim *side = from_left ? prims : prims + left;
+    const uint32_t in_side = from_left ? left : right;
+    const uint32_t wanted = from_left ? split->plane - 1 : split->plane;
+    const uint32_t listed = list_bucket(split, side, in_side, wanted, list);
+    if (listed < moved || listed > MOST_IN_BUCKET) return;
+    bring_to_edge(split, side, in_side, list, listed, moved, from_left);
+    const uint32_t cut = from_left ? left - moved : left + moved;
+    const ht_box4 a = ht_prims_box(prims, cut), b = ht_prims_box(prims + cut, count - cut);
+    const double before = blocks(left, block_bits) * (double)ht_box4_area(&split->left) +
+                          blocks(right, block_bits) * (double)ht_box4_area(&split->right);
+    const double after = blocks(cut, block_bits) * (double)ht_box4_area(&a) +
+                         blocks(count - cut, block_bits) * (double)ht_box4_area(&b);
+    if (after >= before) return;
+    split->left_count = split->left_prims = cut;
+    split->left = a;
+    split->right = b;
+}

@@ -36,4 +36,7 @@ void ht_split_find_median(const ht_prim *prims, uint32_t count, const htree_box 
 /* Brings the left side to the front, keeping the order within both sides. */
 void ht_split_apply(const ht_split *split, ht_prim *prims, ht_prim *spare, uint32_t count);
 
+/* After that: moves the plane within a bucket where a block less is needed then and eq. 1 falls. */
+void ht_split_fill_blocks(ht_split *split, ht_prim *prims, uint32_t count, uint32_t block_bits);
+
 #endif

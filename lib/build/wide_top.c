@@ -47,6 +47,7 @@ uint32_t ht_wide_split(const htree_options *options, ht_prim *spare, const ht_wi
         ht_split split;
         ht_split_find(options, left->items, left->count, &rule, &split);
         ht_split_apply(&split, left->items, spare, left->count);
+        if (!cells) ht_split_fill_blocks(&split, left->items, left->count, HT_LANE_BITS);
         right->items = left->items + split.left_count;
         right->count = left->count - split.left_count;
         right->prims = left->prims - split.left_prims;
