@@ -81,7 +81,7 @@ SHARED := $(B)/libhtree.so.$(VERSION)
 # libhtree_cl: what it shares with libhtree below the public functions, it holds once more.
 KERNELS := probe bvh h kd ug wide
 CL_OBJ := $(call obj,$(sort $(wildcard lib/opencl/*.c))) $(B)/cl/kernels.o
-CL_BASE_OBJ := $(call obj,lib/base/memory.c lib/base/status.c lib/base/tasks.c)
+CL_BASE_OBJ := $(call obj,lib/base/memory.c lib/base/progress.c lib/base/status.c)
 ifeq ($(HAVE_OPENCL),yes)
 CL_STATIC := $(B)/libhtree_cl.a
 CL_SHARED := $(B)/libhtree_cl.so.$(VERSION)

@@ -66,7 +66,7 @@ typedef struct htree_cl_info {
     uint32_t available;     /* 0 or 1, as the next ones */
     uint32_t fp64;          /* has double arithmetic */
     uint32_t shares_memory; /* with the host: batches are not copied */
-    uint32_t group_size;    /* rays a work-group; 0 before the device is opened */
+    uint32_t group_size;    /* rays a work-group, wide trees on CPUs apart; 0 before it is opened */
     uint32_t exact;         /* gives the CPU's bits; 0 before the device is opened */
     float t_error;          /* largest relative error of t in the batch of known answers */
     uint32_t reserved;

@@ -73,6 +73,9 @@ typedef struct streams {
 HT_TARGET HT_INLINE uint32_t step_node(const ht_wide_node *node, const stream *s, uint32_t *child,
                                        float *tnear, const bool any);
 
+/* Moves the children that are not beyond t to the front; returns how many. Whole vectors are written. */
+HT_TARGET HT_INLINE uint32_t keep_near(uint32_t *child, float *tnear, uint32_t count, float t);
+
 /* A bit for every lane in use that the float signs do not reject: see triangle.h. Others that the
  * verdict would reject may be left out. */
 HT_TARGET HT_INLINE uint32_t candidates(const ht_wide_leaf *leaf, const ready *r);
@@ -123,15 +126,13 @@ HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf
 
 /* After a hit: with `any` nothing waits any more, else what is not strictly beyond the best hit: at
  * equal t a lower prim may still win. The ray stays where it is. */
-HT_INLINE void leave_behind(streams *all, stream *s, const bool any) {
-    uint32_t kept = s->bottom + 1;
-    for (uint32_t i = kept; !any && i < s->top; ++i) {
-        all->on.child[kept] = all->on.child[i];
-        all->on.closest.tnear[kept] = all->on.closest.tnear[i];
-        kept += all->on.closest.tnear[kept] <= s->hit.t;
-    }
-    all->on.child[kept] = all->on.child[s->top];
-    s->top = kept;
+HT_TARGET HT_INLINE void leave_behind(streams *all, stream *s, const bool any) {
+    const uint32_t here = all->on.child[s->top];
+    uint32_t *child = all->on.child + s->bottom + 1;
+    float *tnear = all->on.closest.tnear + s->bottom + 1;
+    const uint32_t kept = any ? 0 : keep_near(child, tnear, s->top - s->bottom - 1, s->hit.t);
+    child[kept] = here;
+    s->top = s->bottom + 1 + kept;
 }
 
 /* ---- A step of each ray of a set ------------------------------------------------------------- */
