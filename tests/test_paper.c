@@ -172,7 +172,11 @@ static void no_tree_tests_many_objects_a_ray(void **state) {
         const work w = measure(tree, &target);
         say("%s, %llu triangles: %.2f steps, %.2f tests a ray", htree_kind_name(kind),
             (unsigned long long)s.triangle_count, w.steps, w.tests);
-        assert_true(w.tests < (kind == HTREE_SKD || kind == HTREE_UG ? 100 : 10));
+        /* A wide tree tests all triangles of a leaf at once: of two leaves a ray at most. */
+        const double most = kind == HTREE_SKD || kind == HTREE_UG ? 100
+                            : kind == HTREE_WIDE                  ? 16
+                                                                  : 10;
+        assert_true(w.tests < most);
         assert_true(w.steps < 200);
         htree_free(tree);
     }
