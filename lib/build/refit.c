@@ -49,23 +49,6 @@ static bool is_leaf(uint32_t child) {
 
 /* ---- Planes --------------------------------------------------------------------------------- */
 
-/* Boxes become planes, four at a time. */
-static void set_planes(ht_wide_node *node, const ht_box4 boxes[HT_LANES]) {
-    for (uint32_t half = 0; half < HT_LANES; half += 4) {
-        ht_f4 lo[4], hi[4];
-        for (uint32_t i = 0; i < 4; ++i) {
-            lo[i] = boxes[half + i].lo;
-            hi[i] = boxes[half + i].hi;
-        }
-        ht_f4_transpose(lo);
-        ht_f4_transpose(hi);
-        for (uint32_t axis = 0; axis < 3; ++axis) {
-            ht_f4_store(&node->lo[axis][half], lo[axis]);
-            ht_f4_store(&node->hi[axis][half], hi[axis]);
-        }
-    }
-}
-
 static void set_lane(ht_wide_node *node, uint32_t lane, const ht_box4 *box) {
     const htree_box b = ht_box4_box(box);
     for (uint32_t axis = 0; axis < 3; ++axis) {
@@ -149,7 +132,7 @@ static void refit_leaves(const refitting *r, ht_wide_node *node) {
         const uint32_t child = node->child[lane];
         boxes[lane] = is_leaf(child) ? refit_leaf(r, child & ~HT_WIDE_LEAF) : ht_box4_empty();
     }
-    set_planes(node, boxes);
+    ht_wide_set_planes(node, boxes);
 }
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */

@@ -79,6 +79,23 @@ typedef struct ht_wide_leaf_run {
 void ht_wide_part_begin(ht_wide_part *part, ht_memory *memory);
 void ht_wide_part_end(ht_wide_part *part);
 
+/* Boxes become planes: eight come row by row and go coordinate by coordinate. */
+HT_INLINE void ht_wide_set_planes(ht_wide_node *node, const ht_box4 boxes[HT_LANES]) {
+    for (uint32_t half = 0; half < HT_LANES; half += 4) {
+        ht_f4 lo[4], hi[4];
+        for (uint32_t i = 0; i < 4; ++i) {
+            lo[i] = boxes[half + i].lo;
+            hi[i] = boxes[half + i].hi;
+        }
+        ht_f4_transpose(lo);
+        ht_f4_transpose(hi);
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            ht_f4_store(&node->lo[axis][half], lo[axis]);
+            ht_f4_store(&node->hi[axis][half], hi[axis]);
+        }
+    }
+}
+
 /* wide_nodes.c: a node over runs, its children still to come: run i belongs into lane[i]. */
 void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
                        const ht_box4 *box, uint32_t lane[HT_LANES]);

@@ -137,23 +137,6 @@ static void assign_lanes(const ht_wide_run *runs, uint32_t count, const ht_box4 
     }
 }
 
-/* Eight boxes come row by row and go coordinate by coordinate. */
-static void write_boxes(ht_wide_node *node, const ht_box4 boxes[HT_LANES]) {
-    for (uint32_t half = 0; half < HT_LANES; half += 4) {
-        ht_f4 lo[4], hi[4];
-        for (uint32_t i = 0; i < 4; ++i) {
-            lo[i] = boxes[half + i].lo;
-            hi[i] = boxes[half + i].hi;
-        }
-        ht_f4_transpose(lo);
-        ht_f4_transpose(hi);
-        for (uint32_t axis = 0; axis < 3; ++axis) {
-            ht_f4_store(&node->lo[axis][half], lo[axis]);
-            ht_f4_store(&node->hi[axis][half], hi[axis]);
-        }
-    }
-}
-
 void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
                        const ht_box4 *box, uint32_t lane[HT_LANES]) {
     ht_box4 boxes[HT_LANES];
@@ -164,7 +147,7 @@ void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t cou
         node->unused[i] = 0;
     }
     for (uint32_t i = 0; i < count; ++i) boxes[lane[i]] = runs[i].box;
-    write_boxes(node, boxes);
+    ht_wide_set_planes(node, boxes);
 }
 
 htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
