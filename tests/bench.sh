@@ -149,7 +149,11 @@ peer_agrees_or_is_missing() {
     fi
 }
 
-rule bench-json-parses json_parses
+if command -v python3 >/dev/null || [ "${HTREE_REQUIRE_ALL-}" = 1 ]; then
+    rule bench-json-parses json_parses
+else
+    echo 'skipped bench-json-parses: no python3'
+fi
 rule bench-is-silent-without-a-terminal says_nothing_on_stderr
 rule bench-rays-come-back rays_come_back
 rule bench-seeds-make-other-rays seeds_make_other_rays

@@ -101,7 +101,11 @@ check_packages() {
     minimal=$root/share/doc/libhtree/examples/minimal.c
     rule pkg-config-shared packaged_minimal minimal-shared "$CC" c c99 "$minimal" htree ''
     rule pkg-config-static packaged_minimal minimal-static "$CC" c c99 "$minimal" htree --static
-    rule pkg-config-c++ packaged_minimal minimal-hpp "$CXX" c++ c++17 bindings/cpp/examples/minimal.cpp htree ''
+    if have "$CXX"; then
+        rule pkg-config-c++ packaged_minimal minimal-hpp "$CXX" c++ c++17 bindings/cpp/examples/minimal.cpp htree ''
+    else
+        skip pkg-config-c++ 'no C++ compiler (apt-get install g++)'
+    fi
     if [ -f "$root/lib/libhtree_cl.so" ]; then
         opencl=$root/share/doc/libhtree/examples/opencl.c
         rule pkg-config-cl packaged_opencl opencl-shared "$CC" c c99 "$opencl" htree-cl ''
