@@ -1,4 +1,5 @@
-/* duel_builds.c: every contender builds, round by round, and after each build answers the frame. */
+/* duel_builds.c: every contender builds, round by round: as in an animation, positions are written,
+ * it builds, it answers the frame, and again until its time is up. */
 #include "duel_run.h"
 
 #include "device.h"
@@ -35,11 +36,16 @@ static bool swing(shape *out, const shape *mesh, const htree_box *box) {
 
 /* ---- Rounds --------------------------------------------------------------------------------- */
 
-/* Positions a and b in turn: an update to the same positions would prove nothing. */
+/* Positions a and b in turn: an update to the same positions would prove nothing. Builds read them
+ * where an animation has just written them. */
 typedef struct stage {
     build_way way;
-    shape at[2];
+    shape at[2], now;
 } stage;
+
+static void put(const stage *s, uint32_t which) {
+    memcpy(s->now.positions, s->at[which].positions, 12 * (size_t)s->now.vertex_count);
+}
 
 /* What is to be updated starts from a, and once untimed, after which all memory is there. */
 static bool prepare(duel_runner *r, const stage *s) {
@@ -47,30 +53,48 @@ static bool prepare(duel_runner *r, const stage *s) {
     for (uint32_t i = 0; i < r->d->count; ++i) {
         contender *c = &r->d->all[i];
         if (s->way == BUILD_FRESH || !contender_builds(c) || !contender_can(c, s->way)) continue;
-        if (!contender_build(c, &s->at[0], r->job->threads, true, &seconds, r->error) ||
-            !contender_update(c, s->way, &s->at[1], &seconds, r->error))
-            return false;
+        put(s, 0);
+        if (!contender_build(c, &s->now, r->job->threads, true, &seconds, r->error)) return false;
+        put(s, 1);
+        if (!contender_update(c, s->way, &s->now, &seconds, r->error)) return false;
     }
     return true;
 }
 
-static bool build(duel_runner *r, const stage *s, contender *c, uint32_t round, double *seconds) {
+static bool build(duel_runner *r, const stage *s, contender *c, uint32_t call, double *seconds) {
+    put(s, s->way == BUILD_FRESH ? 0 : call % 2);
     return s->way == BUILD_FRESH
-               ? contender_build(c, &s->at[0], r->job->threads, false, seconds, r->error)
-               : contender_update(c, s->way, &s->at[round % 2], seconds, r->error);
+               ? contender_build(c, &s->now, r->job->threads, false, seconds, r->error)
+               : contender_update(c, s->way, &s->now, seconds, r->error);
 }
 
-/* Packets answer the frame after what their peer has built. */
-static bool play_round(duel_runner *r, const stage *s, uint32_t round) {
-    double built = 0, frame = 0;
-    for (uint32_t i = 0; i < r->d->count; ++i) {
-        contender *c = &r->d->all[i];
-        duel_step(r);
-        if (!contender_can(c, s->way)) continue;
-        if (contender_builds(c) && !build(r, s, c, round, &built)) return false;
+/* Frame after frame, each with its build, until the time is up: once at least, and updates twice, so
+ * that all end at the same positions. Packets answer the frame after what their peer has built. */
+static bool play_turn(duel_runner *r, const stage *s, uint32_t index, uint32_t round,
+                      double *built) {
+    contender *c = &r->d->all[index];
+    const bool builds = contender_builds(c), pairs = s->way != BUILD_FRESH;
+    double building = 0, tracing = 0;
+    uint32_t calls = 0;
+    for (; !calls || (pairs && calls % 2) || building + tracing < r->job->seconds; ++calls) {
+        double one = 0, frame = 0;
+        if (builds && !build(r, s, c, calls, &one)) return false;
         if (!duel_trace(r, c, RAYS_FRAME, &frame)) return false;
-        r->seconds[i][round] = built;
-        r->more[i][round] = built + frame;
+        building += one;
+        tracing += frame;
+    }
+    if (builds) *built = building / calls;
+    r->seconds[index][round] = *built;
+    r->more[index][round] = *built + tracing / calls;
+    return true;
+}
+
+static bool play_round(duel_runner *r, const stage *s, uint32_t round) {
+    double built = 0;
+    for (uint32_t i = 0; i < r->d->count; ++i) {
+        duel_step(r);
+        if (contender_can(&r->d->all[i], s->way) && !play_turn(r, s, i, round, &built))
+            return false;
     }
     return true;
 }
@@ -129,14 +153,15 @@ static bool upload(const duel_runner *r, contender *c) {
 
 bool duel_build_all(duel_runner *r) {
     const htree_box box = mesh_bounds(r->job->mesh);
-    stage s = {BUILD_REFIT, {*r->job->mesh, {NULL, NULL, 0, 0}}};
-    bool ok = swing(&s.at[1], r->job->mesh, &box);
+    stage s = {BUILD_REFIT, {*r->job->mesh, {NULL, NULL, 0, 0}}, {NULL, NULL, 0, 0}};
+    bool ok = swing(&s.at[1], r->job->mesh, &box) && swing(&s.now, r->job->mesh, &box);
     if (!ok) snprintf(r->error.text, r->error.size, "out of memory: try a smaller scene");
     for (int way = BUILD_REFIT; ok && way < BUILD_WAYS; ++way) {
         s.way = (build_way)way;
         ok = play(r, &s);
     }
     free(s.at[1].positions);
+    free(s.now.positions);
     for (uint32_t i = 0; ok && i < r->d->count; ++i) {
         contender *c = &r->d->all[i];
         ok = c->place == PLACE_DEVICE ? upload(r, c)
