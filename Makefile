@@ -9,6 +9,11 @@ CC ?= cc
 PKG_CONFIG ?= pkg-config
 CLANG_FORMAT ?= clang-format
 CLANG ?= clang
+HAVE_CLANG := $(shell command -v $(CLANG) >/dev/null && echo yes)
+# Clang's sanitizers see more than gcc's: an index beyond a member that stays within the struct, for one.
+ifeq ($(config)$(origin CC)$(HAVE_CLANG),sanitizedefaultyes)
+CC := $(CLANG)
+endif
 
 # ---- Flags: ours first, the user's CFLAGS CPPFLAGS LDFLAGS after them and never changed -----------
 WARN := -pedantic -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wc++-compat
@@ -17,7 +22,8 @@ WARN += -Werror
 endif
 OPT_release := -O3 -DNDEBUG -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 OPT_debug := -O1 -g
-OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow \
+    -fno-sanitize-recover=all
 OPT_tsan := -O1 -g -fsanitize=thread
 OPT_coverage := -O0 -g --coverage -D'HT_INLINE=static inline'
 ifndef OPT_$(config)
@@ -54,7 +60,6 @@ HAVE_ASSIMP := $(call have,assimp)
 HAVE_WEBP := $(call have,libwebpmux)
 HAVE_MPI := $(call have,mpi-c)
 HAVE_CMOCKA := $(call have,cmocka)
-HAVE_CLANG := $(shell command -v $(CLANG) >/dev/null && echo yes)
 # A hash by itself: versions of make differ in what \# is within a call.
 hash := \#
 have-header = $(shell echo '$(hash)include <$(1)>' | $(CC) $(2) -E - >/dev/null 2>&1 && echo yes)

@@ -7,6 +7,8 @@
 # HTREE_TEST_SCALE replaces the scale of the programs.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=arm-
+. tests/common/rules.sh
 target=aarch64-linux-gnu
 programs="trace watertight query isa golden lazy check objects triangle"
 under_ubsan="isa golden objects triangle"
@@ -65,16 +67,12 @@ if [ "$(uname -m)" = aarch64 ]; then
     exit 0
 fi
 missing=
-command -v $target-gcc >/dev/null || missing="$missing gcc-$target libc6-dev-arm64-cross"
-command -v qemu-aarch64 >/dev/null || missing="$missing qemu-user"
+have $target-gcc || missing="$missing gcc-$target libc6-dev-arm64-cross"
+have qemu-aarch64 || missing="$missing qemu-user"
 echo 'int main(void) { return 0; }' | $target-gcc -x c -o /dev/null - -lcmocka 2>/dev/null ||
     missing="$missing libcmocka-dev:arm64"
-if [ -n "$missing" ]; then
-    why="it needs$missing (dpkg --add-architecture arm64; apt-get update; apt-get install them)"
-    [ "${HTREE_REQUIRE_ALL-}" = 1 ] && { echo "FAILED arm: $why"; exit 1; }
-    echo "skipped arm: $why"
-    exit 0
-fi
+[ -z "$missing" ] ||
+    skip_all "it needs$missing (dpkg --add-architecture arm64; apt-get update; apt-get install them)"
 
 mkdir -p build/arm
 check_all >build/arm/all.log 2>&1

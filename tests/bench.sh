@@ -4,30 +4,16 @@
 # and the details above it. Uses the release build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=bench-
+. tests/common/rules.sh
 bench=${1:-build/release}/htree-bench
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
 small='--scene knot:3000 --size 64x48 --frame 30 --rounds 1 --seconds 0'
 
 if [ ! -x "$bench" ]; then
-    echo "skipped bench: there is no $bench (it needs libpng)"
-    test "${HTREE_REQUIRE_ALL:-0}" != 1
-    exit
+    skip_all "there is no $bench (it needs libpng)"
 fi
-
-# Runs rule $1, the words after it, and prints its verdict; the rule prints why it fails.
-rule() {
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok $name"
-    else
-        bad=1
-        printf '%s\n' "$why" | head -n 20
-        echo "FAILED $name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
 
 # The program with small figures and more words; what it says goes to $work/out and $work/err.
 run() {
@@ -149,15 +135,11 @@ peer_agrees_or_is_missing() {
     fi
 }
 
-if command -v python3 >/dev/null || [ "${HTREE_REQUIRE_ALL-}" = 1 ]; then
-    rule bench-json-parses json_parses
-else
-    echo 'skipped bench-json-parses: no python3'
-fi
-rule bench-is-silent-without-a-terminal says_nothing_on_stderr
-rule bench-rays-come-back rays_come_back
-rule bench-seeds-make-other-rays seeds_make_other_rays
-rule bench-broken-rays-are-refused broken_rays_are_refused
-rule bench-arguments-are-refused arguments_are_refused
-rule bench-peer-agrees-or-is-missing peer_agrees_or_is_missing
+if have python3; then rule json-parses json_parses; else skip json-parses 'no python3'; fi
+rule is-silent-without-a-terminal says_nothing_on_stderr
+rule rays-come-back rays_come_back
+rule seeds-make-other-rays seeds_make_other_rays
+rule broken-rays-are-refused broken_rays_are_refused
+rule arguments-are-refused arguments_are_refused
+rule peer-agrees-or-is-missing peer_agrees_or_is_missing
 exit $bad

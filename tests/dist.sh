@@ -4,22 +4,11 @@
 # made again. Prints `ok dist-NAME` or `FAILED dist-NAME: why` for each.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=dist-
+. tests/common/rules.sh
 CC=${CC:-cc}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-rule() { # rule NAME WORD...: runs the words and prints their verdict; they print why they fail
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok dist-$name"
-    else
-        bad=1
-        printf '%s\n' "$why" | tail -n 30
-        echo "FAILED dist-$name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
 
 unpacks() {
     MAKEFLAGS='' make -s dist || return 1
@@ -51,8 +40,7 @@ installs() {
 }
 
 if ! git rev-parse --git-dir >/dev/null 2>&1; then
-    echo "skipped dist: no repository to make an archive of"
-    exit 0
+    skip_all 'no repository to make an archive of'
 fi
 rule unpacks unpacks
 rule is-reproducible is_reproducible

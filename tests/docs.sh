@@ -5,24 +5,12 @@
 # `skipped docs-NAME: why` for each.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=docs-
+. tests/common/rules.sh
 CC=${CC:-cc}
 work=build/docs
 pages="README.md CONTRIBUTING.md docs/*.md packaging/README.md examples/README.md tests/README.md lib/README.md
     lib/trace/README.md bindings/README.md"
-bad=0
-
-rule() { # rule NAME WORD...: runs the words and prints their verdict; they print why they fail
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok docs-$name"
-        printf '%s\n' "$why" | sed -n 's/^count: /    /p'
-    else
-        bad=1
-        printf '%s\n' "$why" | tail -n 30
-        echo "FAILED docs-$name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
 
 # What a block that is no program may use without saying where it comes from.
 prelude() {
@@ -140,11 +128,9 @@ rule links-lead-somewhere links_lead_somewhere
 rule figures-are-measured figures_are_measured
 rule drawings-are-current drawings_are_current
 [ -x build/release/htree-render ] && rule help-fits help_fits
-if command -v doxygen >/dev/null; then
+if have doxygen; then
     rule reference-is-clean reference_is_clean
-elif [ "${HTREE_REQUIRE_ALL-}" = 1 ]; then
-    echo 'FAILED docs-reference-is-clean: no doxygen' && bad=1
 else
-    echo 'skipped docs-reference-is-clean: no doxygen (apt-get install doxygen)'
+    skip reference-is-clean 'no doxygen (apt-get install doxygen)'
 fi
 exit $bad

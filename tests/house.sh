@@ -4,6 +4,8 @@
 # for each rule, and the details above it. Uses the release build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=
+. tests/common/rules.sh
 release=build/release
 shared=$release/libhtree.so
 static=$release/libhtree.a
@@ -12,24 +14,6 @@ static_cl=$release/libhtree_cl.a
 CC=${CC:-cc}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-# Runs rule $1, the words after it, and prints its verdict; the rule prints why it fails.
-rule() {
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok $name"
-    else
-        bad=1
-        [ "$(printf '%s\n' "$why" | wc -l)" -gt 1 ] && printf '%s\n' "$why" | head -n 60
-        echo "FAILED $name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
-
-have() {
-    command -v "$1" >/dev/null 2>&1
-}
 
 has_opencl() {
     [ -f "$shared_cl" ]

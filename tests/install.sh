@@ -5,36 +5,12 @@
 # `FAILED install-NAME: why` or `skipped install-NAME: why` for each rule. Uses the release build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=install-
+. tests/common/rules.sh
 CC=${CC:-cc}
 CXX=${CXX:-c++}
 work=$PWD/build/install
 first=$work/first root=$work/moved
-bad=0
-
-rule() { # rule NAME WORD...: runs the words and prints their verdict; they print why they fail
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok install-$name"
-    else
-        bad=1
-        printf '%s\n' "$why" | tail -n 30
-        echo "FAILED install-$name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
-
-have() {
-    command -v "$1" >/dev/null 2>&1
-}
-
-skip() { # skip NAME WHY
-    if [ "${HTREE_REQUIRE_ALL-}" = 1 ]; then
-        bad=1
-        echo "FAILED install-$1: $2"
-    else
-        echo "skipped install-$1: $2"
-    fi
-}
 
 quiet_make() {
     MAKEFLAGS='' make --no-print-directory config=release CC="$CC" "$@" >/dev/null

@@ -4,16 +4,13 @@
 # Prints `ok NAME` or `FAILED NAME: why` for each. CLANG names the compiler.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=kernel-
+. tests/common/rules.sh
 clang=${CLANG:-clang}
 
-if ! command -v "$clang" >/dev/null; then
-    [ "${HTREE_REQUIRE_ALL-}" = 1 ] && { echo "FAILED kernels: no $clang"; exit 1; }
-    echo "skipped kernels: no $clang (apt-get install clang)"
-    exit 0
-fi
+have "$clang" || skip_all "no $clang (apt-get install clang)"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
 
 # All walks have the same parameters, and not all need all; vectors are never passed between compilers.
 warnings="-Wall -Wextra -Wshadow -Wdouble-promotion -Werror -Wno-unused-parameter -Wno-psabi"
@@ -29,25 +26,22 @@ compile() { # compile FILE TARGET[+CPU] STANDARD FP64 STACK
         $warnings -emit-llvm -c -o "$work/out.bc" "$work/in.cl"
 }
 
-for path in cl/*.cl; do
-    [ "$path" = cl/common.cl ] && continue
-    file=$(basename "$path" .cl)
-    cat lib/tree/layout.h cl/common.cl "$path" >"$work/in.cl"
-    why=$(for target in spir64-unknown-unknown x86_64-unknown-linux-gnu \
-        x86_64-unknown-linux-gnu+skylake-avx512; do
+compiles() { # compiles FILE: for every target
+    cat lib/tree/layout.h cl/common.cl "$1" >"$work/in.cl"
+    wrong=0
+    for target in spir64-unknown-unknown x86_64-unknown-linux-gnu x86_64-unknown-linux-gnu+skylake-avx512; do
         for standard in CL1.2 CL3.0; do
             for fp64 in 0 1; do
-                compile "$file" $target $standard $fp64 96 ||
-                    echo "$file for $target, $standard, double $fp64"
+                compile "$1" $target $standard $fp64 96 && continue
+                wrong=1
+                echo "$1 for $target, $standard, double $fp64"
             done
         done
-    done 2>&1)
-    if [ -z "$why" ]; then
-        echo "ok kernel-$file"
-    else
-        bad=1
-        printf '%s\n' "$why" | head -n 40
-        echo "FAILED kernel-$file: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
+    done
+    return $wrong
+}
+
+for path in cl/*.cl; do
+    [ "$path" = cl/common.cl ] || rule "$(basename "$path" .cl)" compiles "$path"
 done
 exit $bad

@@ -4,17 +4,14 @@
 # messages-PROGRAM: why`. Uses the release build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=messages-
+. tests/common/rules.sh
 programs=build/release
 work=$(mktemp -d) || exit 1
 logs=$(mktemp -d) || exit 1
 trap 'rm -rf "$work" "$logs"' EXIT
-bad=0
 
-if [ ! -x $programs/htree-render ]; then
-    [ "${HTREE_REQUIRE_ALL-}" = 1 ] && { echo "FAILED messages: no programs, libpng is missing"; exit 1; }
-    echo "skipped messages: no programs, libpng is missing"
-    exit 0
-fi
+[ -x $programs/htree-render ] || skip_all 'no programs, libpng is missing'
 
 echo "shopping: milk, eggs" >"$work/list.txt"
 echo "shopping: milk, eggs" >"$work/list.ply"
@@ -87,16 +84,8 @@ all_say() { # all_say PROGRAM
         rows=$((rows + 1))
     done <"$logs/table"
     [ $rows -ge 12 ] || { echo "only $rows messages"; return 1; }
-    echo "    $rows messages"
+    echo "count: $rows messages"
 }
 
-for program in render animate table1 bench visibility nodes; do
-    if why=$(all_say $program 2>&1); then
-        printf 'ok messages-%s\n%s\n' $program "$why"
-    else
-        bad=1
-        printf '%s\n' "$why"
-        echo "FAILED messages-$program: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-done
+for program in render animate table1 bench visibility nodes; do rule $program all_say $program; done
 exit $bad

@@ -3,29 +3,15 @@
 # Prints `ok mpi-NAME`, `FAILED mpi-NAME: why` or `skipped mpi: why`. Uses the release build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=mpi-
+. tests/common/rules.sh
 program=build/release/htree-mpi-render
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
 
 if [ ! -x $program ] || ! command -v mpirun >/dev/null; then
-    why='no htree-mpi-render, or no mpirun (apt-get install libopenmpi-dev openmpi-bin)'
-    [ "${HTREE_REQUIRE_ALL-}" = 1 ] && { echo "FAILED mpi: $why"; exit 1; }
-    echo "skipped mpi: $why"
-    exit 0
+    skip_all 'no htree-mpi-render, or no mpirun (apt-get install libopenmpi-dev openmpi-bin)'
 fi
-
-rule() { # rule NAME WORD...: runs the words and prints their verdict; they print why they fail
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok mpi-$name"
-    else
-        bad=1
-        printf '%s\n' "$why" | tail -n 30
-        echo "FAILED mpi-$name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
 
 # More processes than cores are fine here, and so is root: a test machine may have one of both.
 by() { # by PROCESSES WORD...

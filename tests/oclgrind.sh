@@ -11,20 +11,16 @@
 # in wide.cl.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=oclgrind-
+. tests/common/rules.sh
 program=build/release/tests/cl_compare
 driver=
 for path in /usr/lib/oclgrind /usr/lib/*/oclgrind /usr/local/lib/oclgrind; do
     [ -f "$path/liboclgrind-rt-icd.so" ] && driver=$path/liboclgrind-rt-icd.so
 done
 
-missing=
-[ -n "$driver" ] || missing="no Oclgrind (apt-get install oclgrind)"
-[ -x "$program" ] || missing="no $program: make config=release tests"
-if [ -n "$missing" ]; then
-    [ "${HTREE_REQUIRE_ALL-}" = 1 ] && { echo "FAILED oclgrind: $missing"; exit 1; }
-    echo "skipped oclgrind: $missing"
-    exit 0
-fi
+[ -n "$driver" ] || skip_all 'no Oclgrind (apt-get install oclgrind)'
+[ -x "$program" ] || skip_all "no $program: make config=release tests"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 echo "$driver" >"$work/oclgrind.icd"

@@ -7,34 +7,13 @@
 # HTREE_TEST_SCALE replaces the scale of the programs.
 set -u
 cd "$(dirname "$0")/.." || exit 1
+prefix=onefile-
+. tests/common/rules.sh
 CC=${CC:-cc}
 CLANG=${CLANG:-clang}
 export HTREE_TEST_SCALE="${HTREE_TEST_SCALE:-0.03}"
 folder=build/release/onefile
 work=build/onefile
-bad=0
-
-rule() { # rule NAME WORD...: runs the words and prints their verdict; they print why they fail
-    name=$1
-    shift
-    if why=$("$@" 2>&1); then
-        echo "ok onefile-$name"
-        printf '%s\n' "$why" | sed -n 's/^count: /    /p'
-    else
-        bad=1
-        printf '%s\n' "$why" | tail -n 30
-        echo "FAILED onefile-$name: $(printf '%s\n' "$why" | tail -n 1)"
-    fi
-}
-
-skip() { # skip NAME WHY
-    if [ "${HTREE_REQUIRE_ALL-}" = 1 ]; then
-        bad=1
-        echo "FAILED onefile-$1: $2"
-    else
-        echo "skipped onefile-$1: $2"
-    fi
-}
 
 quiet_make() {
     MAKEFLAGS='' make -j2 --no-print-directory config=release "$@" >/dev/null

@@ -127,12 +127,11 @@ HT_NOINLINE static bool step_objects(const htree *tree, const ht_wide_leaf *leaf
 /* After a hit: with `any` nothing waits any more, else what is not strictly beyond the best hit: at
  * equal t a lower prim may still win. The ray stays where it is. */
 HT_TARGET HT_INLINE void leave_behind(streams *all, stream *s, const bool any) {
-    const uint32_t here = all->on.child[s->top];
-    uint32_t *child = all->on.child + s->bottom + 1;
-    float *tnear = all->on.closest.tnear + s->bottom + 1;
-    const uint32_t kept = any ? 0 : keep_near(child, tnear, s->top - s->bottom - 1, s->hit.t);
+    const uint32_t first = s->bottom + 1, here = all->on.child[s->top];
+    uint32_t *child = all->on.child + first, kept = 0;
+    if (!any) kept = keep_near(child, all->on.closest.tnear + first, s->top - first, s->hit.t);
     child[kept] = here;
-    s->top = s->bottom + 1 + kept;
+    s->top = first + kept;
 }
 
 /* ---- A step of each ray of a set ------------------------------------------------------------- */

@@ -87,7 +87,8 @@ HT_TARGET HT_INLINE float highest(lanes x, uint32_t mask) {
 
 /* Two rays in a row: origins with tmin, directions with tmax. */
 HT_TARGET HT_INLINE void load_row(const htree_ray *rays, lanes *org, lanes *dir) {
-    const lanes a = _mm256_loadu_ps(rays[0].org), b = _mm256_loadu_ps(rays[1].org);
+    const lanes a = _mm256_loadu_ps((const float *)(const void *)&rays[0]);
+    const lanes b = _mm256_loadu_ps((const float *)(const void *)&rays[1]);
     *org = _mm256_permute2f128_ps(a, b, 0x20);
     *dir = _mm256_permute2f128_ps(a, b, 0x31);
 }

@@ -76,7 +76,7 @@ HT_TARGET HT_INLINE float highest(lanes x, uint32_t mask) {
 
 /* Four rays in a row: origins with tmin, directions with tmax. */
 HT_TARGET HT_INLINE void load_row(const htree_ray *rays, lanes *org, lanes *dir) {
-    const lanes a = _mm512_loadu_ps(rays[0].org), b = _mm512_loadu_ps(rays[2].org);
+    const lanes a = _mm512_loadu_ps(&rays[0]), b = _mm512_loadu_ps(&rays[2]);
     *org = _mm512_shuffle_f32x4(a, b, 0x88);
     *dir = _mm512_shuffle_f32x4(a, b, 0xdd);
 }

@@ -55,7 +55,7 @@ HT_TARGET HT_INLINE void transpose(__m256 row[8]) {
 HT_TARGET HT_INLINE eight_rays load_rays(const htree_ray *rays) {
     eight_rays r;
     __m256 row[8];
-    for (int i = 0; i < 8; ++i) row[i] = _mm256_loadu_ps(rays[i].org);
+    for (int i = 0; i < 8; ++i) row[i] = _mm256_loadu_ps((const float *)(const void *)&rays[i]);
     transpose(row);
     for (int k = 0; k < 3; ++k) {
         r.org[k] = row[k];
@@ -69,7 +69,7 @@ HT_TARGET HT_INLINE eight_rays load_rays(const htree_ray *rays) {
 /* Writes part `part` of each ray: eight of its words. */
 HT_TARGET HT_INLINE void store_part(ready *out, uint32_t part, __m256 word[8]) {
     transpose(word);
-    for (int i = 0; i < 8; ++i) _mm256_store_ps(out[i].rdir + 8 * part, word[i]);
+    for (int i = 0; i < 8; ++i) _mm256_store_ps((float *)(void *)&out[i] + 8 * part, word[i]);
 }
 
 /* All ones for rays that htree.h does not declare a miss; NaN fails every comparison. */
