@@ -5,7 +5,7 @@
 CONFORMANCE := $(B)/conformance.json
 BINDINGS ?=
 
-$(B)/conformance: $(B)/tests/conformance.o $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
+$(B)/conformance: $(call obj,$(sort $(wildcard tests/conformance/*.c)) $(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(STATIC)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LINK) -o $@ $^ -lcmocka -lm -lpthread
 
