@@ -135,6 +135,14 @@ peer_agrees_or_is_missing() {
     fi
 }
 
+# Lazy trees read the mesh as long as they live.
+reads_no_freed_memory() {
+    MAKEFLAGS='' make -s config=sanitize build/sanitize/htree-bench || return 1
+    # shellcheck disable=SC2086
+    UBSAN_OPTIONS=print_stacktrace=1 build/sanitize/htree-bench $small --frame 2 --threads 2 -q 2>&1 >"$work/out" | tail -n 20 >"$work/err"
+    [ -s "$work/out" ] && [ ! -s "$work/err" ] || { cat "$work/err"; return 1; }
+}
+
 if have python3; then rule json-parses json_parses; else skip json-parses 'no python3'; fi
 rule is-silent-without-a-terminal says_nothing_on_stderr
 rule rays-come-back rays_come_back
@@ -142,4 +150,5 @@ rule seeds-make-other-rays seeds_make_other_rays
 rule broken-rays-are-refused broken_rays_are_refused
 rule arguments-are-refused arguments_are_refused
 rule peer-agrees-or-is-missing peer_agrees_or_is_missing
+rule reads-no-freed-memory reads_no_freed_memory
 exit $bad

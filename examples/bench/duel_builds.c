@@ -61,10 +61,12 @@ static bool prepare(duel_runner *r, const stage *s) {
     return true;
 }
 
+/* The last fresh trees stay, and lazy ones go on reading the mesh: theirs is the caller's own, which
+ * being copied from warms as being written to does. */
 static bool build(duel_runner *r, const stage *s, contender *c, uint32_t call, double *seconds) {
     put(s, s->way == BUILD_FRESH ? 0 : call % 2);
     return s->way == BUILD_FRESH
-               ? contender_build(c, &s->now, r->job->threads, false, seconds, r->error)
+               ? contender_build(c, &s->at[0], r->job->threads, false, seconds, r->error)
                : contender_update(c, s->way, &s->now, seconds, r->error);
 }
 
