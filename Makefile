@@ -223,6 +223,7 @@ $(B)/htree-bench: MORE_LIBS := $(EMBREE_LIBS)
 
 # Of the examples, tests link what needs nothing but libc and libm.
 TEST_EXAMPLE_SRC := $(sort $(wildcard examples/bart/*.c)) examples/picture/camera.c \
+    examples/program/loop.c \
     $(patsubst %,examples/mesh/%.c,decimal ply ply_header shapes subdivide)
 $(CL_TESTS): $(B)/tests/%: $(B)/tests/%.o $(call obj,$(TEST_CL_COMMON_SRC)) \
     $(call obj,$(TEST_COMMON_SRC) $(TEST_EXAMPLE_SRC)) $(CL_STATIC) $(STATIC)

@@ -63,7 +63,7 @@ static void vertex_at(const aff_scene *scene, double time, uint64_t index, doubl
     frame.positions = (float *)take(f.vertex_count * 12);
     frame.cones = (cone *)take(f.cone_count * sizeof(cone) + 1);
     frame.boxes = (htree_box *)take(f.cone_count * sizeof(htree_box) + 1);
-    assert_true(f.pose(&f, time, &frame));
+    assert_true(f.pose(&f, time, 2, &frame));
     for (uint64_t i = 0; i < 3 * f.triangle_count; ++i) assert_true(f.indices[i] < f.vertex_count);
     for (int k = 0; k < 3; ++k) out[k] = (double)frame.positions[3 * index + (uint64_t)k];
     free(frame.positions);

@@ -2,6 +2,7 @@
  * traced. Builder and tracer take turns on two slots; a slot is being filled or being read. */
 #include "anim_play.h"
 
+#include "loop.h"
 #include "primary.h"
 
 #include <pthread.h>
@@ -47,12 +48,24 @@ static void take_stats(anim_slot *slot) {
     slot->figures.references = (double)stats.references;
 }
 
+typedef struct shooting {
+    const camera *view;
+    uint32_t width, height;
+    htree_ray *rays;
+} shooting;
+
+static void make_some(void *data, uint64_t first, uint64_t end) {
+    const shooting *s = (const shooting *)data;
+    for (uint64_t i = first; i < end; ++i)
+        s->rays[i] = camera_ray(s->view, (double)(i % s->width) + 0.5, (double)(i / s->width) + 0.5,
+                                s->width, s->height);
+}
+
 static void make_rays(anim_slot *slot, const anim_stage *stage) {
     const uint32_t width = stage->args->width, height = stage->args->height;
+    shooting s = {&slot->view, width, height, slot->rays};
     stage->f->view(stage->f, slot->figures.time, (double)width / height, &slot->view);
-    for (uint64_t i = 0; i < pixels(stage); ++i)
-        slot->rays[i] = camera_ray(&slot->view, (double)(i % width) + 0.5,
-                                   (double)(i / width) + 0.5, width, height);
+    loop_run(stage->args->threads, pixels(stage), make_some, &s);
 }
 
 /* From the second frame of a slot on its tree is built in the memory of the one before. */
@@ -70,7 +83,7 @@ bool anim_build(anim_slot *slot, const anim_stage *stage, uint32_t index) {
     memset(&slot->figures, 0, sizeof slot->figures);
     slot->figures.time = stage->times[index];
     const double start = clock_seconds();
-    if (!stage->f->pose(stage->f, slot->figures.time, &slot->frame))
+    if (!stage->f->pose(stage->f, slot->figures.time, stage->args->threads, &slot->frame))
         return fail(slot, HTREE_ERROR_MEMORY);
     slot->figures.pose = clock_seconds() - start;
     const htree_mesh mesh = film_mesh(stage->f, &slot->frame);

@@ -42,7 +42,8 @@ struct film {
     float background[3];
     float ambient; /* light from everywhere, 0 to 1 */
 
-    bool (*pose)(const film *f, double time, film_frame *frame); /* false: no memory */
+    /* On so many threads; false: no memory. */
+    bool (*pose)(const film *f, double time, uint32_t threads, film_frame *frame);
     void (*view)(const film *f, double time, double aspect, camera *out);
     void (*release)(film *f);
     void *data;

@@ -1,6 +1,7 @@
 /* film_burst.c: a mesh that holds for a moment and then flies apart, every triangle for itself:
  * nothing that a tree of the last frame knew is true in the next. */
 #include "film_made.h"
+#include "loop.h"
 #include "shape_build.h"
 
 #include <string.h>
@@ -33,22 +34,33 @@ static double landing(const burst *b, const shard *s, double t) {
     return t < land ? t : land;
 }
 
-static bool pose(const film *f, double time, film_frame *frame) {
-    const film_made *made = (const film_made *)f->data;
-    const burst *b = (const burst *)made->parts;
-    const double t = time > hold ? time - hold : 0;
-    memcpy(frame->positions, made->rest.positions, (size_t)f->vertex_count * 3 * sizeof(float));
-    for (uint64_t i = 0; t > 0 && i + 2 < f->triangle_count; ++i) {
+typedef struct posing {
+    const film_made *made;
+    double time; /* since it burst */
+    float *out;
+} posing;
+
+static void pose_some(void *data, uint64_t first, uint64_t end) {
+    const posing *p = (const posing *)data;
+    const burst *b = (const burst *)p->made->parts;
+    for (uint64_t i = first; i < end; ++i) {
         const shard *s = &b->shards[i];
-        const double u = landing(b, s, t), fall = 0.75 * b->size * u * u;
+        const double u = landing(b, s, p->time), fall = 0.75 * b->size * u * u;
         for (uint64_t k = 9 * i; k < 9 * i + 9; k += 3) {
-            double p[3];
-            spin(s, s->turns * u, made->rest.positions + k, p);
+            double at[3];
+            spin(s, s->turns * u, p->made->rest.positions + k, at);
             for (int a = 0; a < 3; ++a)
-                frame->positions[k + (uint64_t)a] =
-                    (float)(p[a] + s->centre[a] + s->velocity[a] * u - (a == 1 ? fall : 0));
+                p->out[k + (uint64_t)a] =
+                    (float)(at[a] + s->centre[a] + s->velocity[a] * u - (a == 1 ? fall : 0));
         }
     }
+}
+
+static bool pose(const film *f, double time, uint32_t threads, film_frame *frame) {
+    const film_made *made = (const film_made *)f->data;
+    posing p = {made, time - hold, frame->positions};
+    memcpy(frame->positions, made->rest.positions, (size_t)f->vertex_count * 3 * sizeof(float));
+    if (p.time > 0) loop_run(threads, f->triangle_count - 2, pose_some, &p);
     return true;
 }
 

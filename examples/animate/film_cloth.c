@@ -1,27 +1,40 @@
 /* film_cloth.c: a flag on its pole: waves that run away from the pole and grow on the way, and the
  * smaller ones of the wind across them. */
 #include "film_made.h"
+#include "loop.h"
 #include "shape_build.h"
 
 enum { GROUND = 0, POLE = 7, FLAG = 3, STRIPE = 7 };
 
 static const double width = 3, height = 2;
 
-static bool pose(const film *f, double time, film_frame *frame) {
-    const film_made *made = (const film_made *)f->data;
-    const uint64_t grid = *(const uint64_t *)made->parts;
-    for (uint64_t i = 0; i < f->vertex_count; ++i) {
-        const float *p = made->rest.positions + 3 * i;
-        float *out = frame->positions + 3 * i;
-        for (int k = 0; k < 3; ++k) out[k] = p[k];
+typedef struct posing {
+    const film_made *made;
+    double time, sway;
+    float *out;
+} posing;
+
+static void pose_some(void *data, uint64_t first, uint64_t end) {
+    const posing *p = (const posing *)data;
+    const uint64_t grid = *(const uint64_t *)p->made->parts;
+    for (uint64_t i = first; i < end; ++i) {
+        const float *rest = p->made->rest.positions + 3 * i;
+        float *out = p->out + 3 * i;
+        for (int k = 0; k < 3; ++k) out[k] = rest[k];
         if (i >= grid) continue;
-        const double x = (double)p[0] / width, y = (double)p[1] / height;
-        const double along = sin_turns(1.6 * x - 0.9 * time + 0.25 * y);
-        const double across = sin_turns(3.1 * x + 1.3 * y - 1.7 * time);
-        out[0] -= (float)(0.22 * x * x * (1 + 0.5 * sin_turns(0.35 * time)));
+        const double x = (double)rest[0] / width, y = (double)rest[1] / height;
+        const double along = sin_turns(1.6 * x - 0.9 * p->time + 0.25 * y);
+        const double across = sin_turns(3.1 * x + 1.3 * y - 1.7 * p->time);
+        out[0] -= (float)(0.22 * x * x * p->sway);
         out[1] -= (float)(0.25 * x * x + 0.03 * x * across);
         out[2] = (float)((0.42 * along + 0.09 * across) * x * (1.5 - 0.5 * x));
     }
+}
+
+static bool pose(const film *f, double time, uint32_t threads, film_frame *frame) {
+    posing p = {(const film_made *)f->data, time, 1 + 0.5 * sin_turns(0.35 * time),
+                frame->positions};
+    loop_run(threads, f->vertex_count, pose_some, &p);
     return true;
 }
 

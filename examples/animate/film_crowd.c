@@ -1,6 +1,7 @@
 /* film_crowd.c: people who walk in rings around a square. Limbs swing and bend, bodies twist, so
  * that no part moves rigidly. */
 #include "film_made.h"
+#include "loop.h"
 #include "shape_build.h"
 
 enum { SKIN = 1, TROUSERS = 2, SHIRT = 3, SHIRTS = 5, LIMBS = 6, SLICES = 8, RINGS = 9 };
@@ -62,15 +63,27 @@ static void place(const walker *w, double time, const float *rest, const limb *p
     out[2] = (float)(sr * (w->ring + x) + cr * z);
 }
 
-static bool pose(const film *f, double time, film_frame *frame) {
-    const film_made *made = (const film_made *)f->data;
-    const walker *walkers = (const walker *)made->parts;
-    const uint64_t people = f->vertex_count / person_vertices, ground = people * person_vertices;
-    for (uint64_t i = 0; i < ground; ++i) {
+typedef struct posing {
+    const film_made *made;
+    double time;
+    float *out;
+} posing;
+
+static void pose_some(void *data, uint64_t first, uint64_t end) {
+    const posing *p = (const posing *)data;
+    const walker *walkers = (const walker *)p->made->parts;
+    for (uint64_t i = first; i < end; ++i) {
         const uint64_t within = i % person_vertices;
-        place(&walkers[i / person_vertices], time, made->rest.positions + 3 * i,
-              &limbs[within / (person_vertices / LIMBS)], frame->positions + 3 * i);
+        place(&walkers[i / person_vertices], p->time, p->made->rest.positions + 3 * i,
+              &limbs[within / (person_vertices / LIMBS)], p->out + 3 * i);
     }
+}
+
+static bool pose(const film *f, double time, uint32_t threads, film_frame *frame) {
+    const film_made *made = (const film_made *)f->data;
+    const uint64_t ground = f->vertex_count / person_vertices * person_vertices;
+    posing p = {made, time, frame->positions};
+    loop_run(threads, ground, pose_some, &p);
     for (uint64_t i = 3 * ground; i < 3 * f->vertex_count; ++i)
         frame->positions[i] = made->rest.positions[i];
     return true;

@@ -1,6 +1,7 @@
 /* aff_film.c: a scene at a moment. Vertices keep their places in the arrays, so a frame is one pass
  * over the transforms and one over the vertices. */
 #include "aff_read.h"
+#include "loop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -48,21 +49,45 @@ static void place_nodes(const aff_scene *s, double time, affine *world) {
     }
 }
 
-static bool pose(const film *f, double time, film_frame *frame) {
+typedef struct posing {
+    const aff_scene *scene;
+    const affine *world;
+    float *out;
+} posing;
+
+/* The part that a vertex belongs to. */
+static size_t find_part(const aff_scene *s, uint64_t vertex) {
+    size_t lo = 0, hi = s->parts.count;
+    while (hi - lo > 1) {
+        const size_t middle = lo + (hi - lo) / 2;
+        if (s->parts.at[middle].first <= vertex)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+static void pose_vertices(void *data, uint64_t first, uint64_t end) {
+    const posing *p = (const posing *)data;
+    const aff_scene *s = p->scene;
+    size_t part = find_part(s, first);
+    for (uint64_t v = first; v < end; ++v) {
+        double at[3];
+        while (part + 1 < s->parts.count && s->parts.at[part + 1].first <= v) ++part;
+        affine_point(&p->world[s->parts.at[part].node], s->vertices.at + 3 * v, at);
+        for (int k = 0; k < 3; ++k) p->out[3 * v + (uint64_t)k] = (float)at[k];
+    }
+}
+
+static bool pose(const film *f, double time, uint32_t threads, film_frame *frame) {
     const aff_scene *s = (const aff_scene *)f->data;
     affine *world = (affine *)malloc(s->nodes.count * sizeof *world);
     if (!world) return false;
     place_nodes(s, time, world);
-    float *out = frame->positions;
-    for (size_t i = 0; i < s->parts.count; ++i) {
-        const aff_part *part = &s->parts.at[i];
-        const size_t end = i + 1 < s->parts.count ? part[1].first : s->vertices.count / 3;
-        for (size_t v = part->first; v < end; ++v) {
-            double p[3];
-            affine_point(&world[part->node], s->vertices.at + 3 * v, p);
-            for (int k = 0; k < 3; ++k) *out++ = (float)p[k];
-        }
-    }
+    posing p = {s, world, frame->positions};
+    loop_run(threads, s->vertices.count / 3, pose_vertices, &p);
+    float *out = frame->positions + s->vertices.count;
     for (size_t i = 0; i < s->patches.count; ++i)
         out = pose_patch(s, &s->patches.at[i], &world[s->patches.at[i].node], time, out);
     for (size_t i = 0; i < s->cones.count; ++i) {

@@ -73,7 +73,7 @@ static void play(const aff_scene *scene) {
     frame.boxes = (htree_box *)take(f.cone_count * sizeof(htree_box) + 1);
     for (uint64_t i = 0; i < 3 * f.triangle_count; ++i) assert_true(f.indices[i] < f.vertex_count);
     for (int i = 0; i < 2; ++i) {
-        assert_true(f.pose(&f, 0.7 * i, &frame));
+        assert_true(f.pose(&f, 0.7 * i, 1, &frame));
         htree_mesh mesh;
         memset(&mesh, 0, sizeof mesh);
         mesh.positions = frame.positions;
