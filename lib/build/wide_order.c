@@ -2,9 +2,9 @@
  * run at once, on all threads; or, in a lazy tree, by the first ray that gets there.
  *
  * A lazy tree's nodes say HT_WIDE_PENDING | errand where the subtree may be missing. Whoever comes
- * there asks its state: the first one builds it, others wait for the microseconds that it takes. No
- * node is ever written to while rays may read it, and no memory is asked for, so no query can fail.
- * The bytes do not depend on who came first. */
+ * there asks for its root: the first one builds it, others wait for the microseconds that it takes.
+ * No node is ever written to while rays may read it, and no memory is asked for, so no query can
+ * fail. The bytes do not depend on who came first. */
 #include "wide.h"
 
 #ifndef HTREE_NO_THREADS
@@ -13,15 +13,18 @@
 
 enum { GROUPS = 256 };
 
-enum { UNTOUCHED, BEING_BUILT, BUILT };
+/* Instead of a root. */
+#define UNTOUCHED   HT_WIDE_NONE
+#define BEING_BUILT HT_WIDE_PENDING
 
 /* What is left of a build in a lazy tree. */
 typedef struct lazy {
     ht_lazy hook;
     ht_source source; /* the caller's arrays, which must stay as they are */
     ht_array cells, errands;
-    uint32_t *order, *states;
-    uint32_t prims, built;
+    uint32_t *order;
+    uint32_t *roots; /* child words of the errands that are built */
+    uint32_t prims;
 } lazy;
 
 static lazy *lazy_of(const htree *tree) {
@@ -77,17 +80,17 @@ static void pause_thread(void) {
 }
 
 static uint32_t touch(const htree *tree, uint32_t errand) {
-    lazy *l = lazy_of(tree);
-    uint32_t *state = &l->states[errand], seen = __atomic_load_n(state, __ATOMIC_ACQUIRE);
-    const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, errand);
-    if (seen == UNTOUCHED && __atomic_compare_exchange_n(state, &seen, BEING_BUILT, false,
+    const lazy *l = lazy_of(tree);
+    uint32_t *root = &l->roots[errand], seen = __atomic_load_n(root, __ATOMIC_ACQUIRE);
+    if (seen == UNTOUCHED && __atomic_compare_exchange_n(root, &seen, BEING_BUILT, false,
                                                          __ATOMIC_ACQUIRE, __ATOMIC_ACQUIRE)) {
+        const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, errand);
         ht_wide_run_morton(tree, &l->source, l->order, e);
-        __atomic_add_fetch(&l->built, 1, __ATOMIC_RELAXED);
-        __atomic_store_n(state, BUILT, __ATOMIC_RELEASE);
+        __atomic_store_n(root, e->child, __ATOMIC_RELEASE);
+        return e->child;
     }
-    while (__atomic_load_n(state, __ATOMIC_ACQUIRE) != BUILT) pause_thread();
-    return e->child;
+    for (; seen == BEING_BUILT; seen = __atomic_load_n(root, __ATOMIC_ACQUIRE)) pause_thread();
+    return seen;
 }
 
 static void end_lazy(htree *tree) {
@@ -97,7 +100,7 @@ static void end_lazy(htree *tree) {
     ht_array_end(&l->errands);
     ht_array_end(&l->cells);
     ht_release(&tree->memory, l->order, l->prims * sizeof *l->order);
-    ht_release(&tree->memory, l, sizeof *l + (uint64_t)l->hook.subtrees * sizeof *l->states);
+    ht_release(&tree->memory, l, sizeof *l + (uint64_t)l->hook.subtrees * sizeof *l->roots);
     tree->lazy = NULL;
 }
 
@@ -122,29 +125,29 @@ static uint32_t prims_of(const htree *tree, uint32_t errand) {
 }
 
 static uint32_t child_of(const htree *tree, uint32_t errand) {
-    const lazy *l = lazy_of(tree);
-    if (__atomic_load_n(&l->states[errand], __ATOMIC_ACQUIRE) != BUILT) return HT_WIDE_NONE;
-    return ((const ht_wide_errand *)ht_array_at(&l->errands, errand))->child;
+    const uint32_t root = __atomic_load_n(&lazy_of(tree)->roots[errand], __ATOMIC_ACQUIRE);
+    return root == BEING_BUILT ? HT_WIDE_NONE : root;
 }
 
 static uint32_t count_built(const htree *tree) {
-    return __atomic_load_n(&lazy_of(tree)->built, __ATOMIC_RELAXED);
+    uint32_t built = 0;
+    for (uint32_t i = 0; i < tree->lazy->subtrees; ++i) built += child_of(tree, i) != HT_WIDE_NONE;
+    return built;
 }
 
 /* Takes what errands need over from the build. */
 static htree_status become_lazy(ht_wide_build *build) {
     htree *tree = build->builder->tree;
     const uint32_t subtrees = (uint32_t)build->top.errands.count;
-    lazy *l =
-        (lazy *)ht_allocate(&tree->memory, sizeof *l + (uint64_t)subtrees * sizeof *l->states);
+    lazy *l = (lazy *)ht_allocate(&tree->memory, sizeof *l + (uint64_t)subtrees * sizeof *l->roots);
     if (!l) return HTREE_ERROR_MEMORY;
-    memset(l, 0, sizeof *l + (size_t)subtrees * sizeof *l->states);
+    memset(l, 0, sizeof *l);
     const ht_lazy hook = {subtrees, touch, prims_of, child_of, count_built, complete, end_lazy};
     l->hook = hook;
     l->source = build->source;
     l->source.boxes = tree->object_boxes;
     l->prims = build->prims;
-    l->states = (uint32_t *)(void *)(l + 1);
+    l->roots = (uint32_t *)(void *)(l + 1);
     l->cells = build->cells.cells;
     l->errands = build->top.errands;
     l->order = build->cells.order;
@@ -155,6 +158,7 @@ static htree_status become_lazy(ht_wide_build *build) {
     for (uint32_t i = 0; i < subtrees; ++i) {
         const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, i);
         ht_wide_set_parent(tree, e, HT_WIDE_PENDING | i);
+        l->roots[i] = UNTOUCHED;
     }
     return HTREE_OK;
 }
