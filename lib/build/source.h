@@ -67,6 +67,12 @@ HT_INLINE ht_corners ht_source_corners(const ht_source *source, uint32_t i) {
     return corners;
 }
 
+/* Asks for the indices of a prim that will be read soon. */
+HT_INLINE void ht_source_prefetch(const ht_source *source, uint32_t id) {
+    if (source->indices && id < source->triangle_count)
+        HT_PREFETCH(&source->indices[3 * (uint64_t)id]);
+}
+
 HT_INLINE ht_corners ht_no_corners(void) {
     const ht_f4 zero = ht_f4_all(0);
     const ht_corners none = {{zero, zero, zero}};

@@ -49,17 +49,21 @@ typedef struct building {
 
 /* ---- The order ------------------------------------------------------------------------------ */
 
-/* With `few`, corners are kept: a leaf needs them soon. */
+/* With `few`, corners are kept: a leaf needs them soon. Indices and leaves are asked for before they
+ * are needed. */
 HT_INLINE void gather(building *b, const uint32_t *order, const ht_wide_run *cells,
                       const bool few) {
     const ht_source source = *b->source; /* which no store can change */
+    const ht_wide_leaf *leaves = b->leaves + b->next_leaf;
     ht_box4 centroids = ht_box4_empty();
     uint32_t n = 0;
     for (uint32_t i = 0; i < cells->count; ++i) {
         const uint32_t *ids = order + ht_cell_first(&cells->items[i]);
         const uint32_t count = ht_cell_prims(&cells->items[i]);
+        for (uint32_t k = 0; k < count; ++k) ht_source_prefetch(&source, ids[k]);
         for (uint32_t k = 0; k < count; ++k, ++n) {
             ht_box4 box;
+            HT_PREFETCH((const char *)leaves + n * (sizeof *leaves / HT_LANES));
             if (few) {
                 b->corners[n] = ht_source_corners(&source, ids[k]);
                 box = ht_corners_box(&b->corners[n]);
