@@ -54,6 +54,12 @@ HT_INLINE ht_f4 ht_source_position4(const ht_source *source, uint64_t vertex) {
     return ht_f4_load((const float *)(const void *)(source->positions + vertex * source->stride));
 }
 
+/* Four, but for the last vertex: a float that is stored by itself is slow to read with its neighbours. */
+HT_INLINE ht_f4 ht_source_any_position(const ht_source *source, uint64_t vertex) {
+    return vertex + 1 == source->vertex_count ? ht_source_position(source, vertex)
+                                              : ht_source_position4(source, vertex);
+}
+
 /* Of a triangle whose vertices are known to be there. */
 HT_INLINE ht_corners ht_source_corners(const ht_source *source, uint32_t i) {
     ht_corners corners;

@@ -37,7 +37,7 @@ static bool are_in_range(const ht_source *source, range vertices) {
     const ht_f4 limit = ht_f4_all(HTREE_COORDINATE_MAX);
     uint32_t in = HT_XYZ;
     for (uint64_t i = vertices.first; i < vertices.end; ++i)
-        in &= ht_f4_at_most(ht_f4_magnitude(ht_source_position(source, i)), limit);
+        in &= ht_f4_at_most(ht_f4_magnitude(ht_source_any_position(source, i)), limit);
     return in == HT_XYZ;
 }
 

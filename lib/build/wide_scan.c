@@ -62,8 +62,7 @@ static bool measure_vertices(const ht_source *from, uint64_t first, uint64_t end
     ht_f4 finite = ht_f4_all(0); /* x - x is 0, or NaN for ever */
     ht_box4 box = ht_box4_empty();
     for (uint64_t i = first; i < end; ++i) {
-        const ht_f4 position = i + 1 == source.vertex_count ? ht_source_position(&source, i)
-                                                            : ht_source_position4(&source, i);
+        const ht_f4 position = ht_source_any_position(&source, i);
         ht_box4_add(&box, position, position);
         finite = ht_f4_add(finite, ht_f4_sub(position, position));
     }
