@@ -271,17 +271,21 @@ void ht_split_apply(const ht_split *split, ht_prim *prims, ht_prim *spare, uint3
 
 /* ---- Full blocks ---------------------------------------------------------------------------- */
 
-enum { MOST_IN_BUCKET = 48 };
+enum { MOST_LISTED = 48 };
 
-/* The prims of a bucket among `count`, or MOST_IN_BUCKET + 1 for more. */
-static uint32_t list_bucket(const ht_split *split, const ht_prim *prims, uint32_t count,
-                            uint32_t wanted, uint32_t *list) {
-    uint32_t listed = 0;
-    for (uint32_t i = 0; i < count && listed <= MOST_IN_BUCKET; ++i) {
-        list[listed] = i;
-        listed += bucket_index(split, centroid(&prims[i], split->axis)) == wanted;
+/* The prims of a side in as few buckets next to the plane as hold some `wanted`, or MOST_LISTED + 1
+ * for more. */
+static uint32_t list_nearest(const ht_split *split, const ht_prim *side, uint32_t count, bool left,
+                             uint32_t wanted, uint32_t *list) {
+    for (uint32_t buckets = 1;; ++buckets) {
+        uint32_t listed = 0;
+        for (uint32_t i = 0; i < count && listed <= MOST_LISTED; ++i) {
+            const uint32_t index = bucket_index(split, centroid(&side[i], split->axis));
+            list[listed] = i;
+            listed += left ? index + buckets >= split->plane : index < split->plane + buckets;
+        }
+        if (listed >= wanted) return listed;
     }
-    return listed;
 }
 
 static void swap_prims(ht_prim *a, ht_prim *b) {
@@ -318,12 +322,11 @@ void ht_split_fill_blocks(ht_split *split, ht_prim *prims, uint32_t count, uint3
     const bool from_left = left > block && (rest_left <= rest_right || right < block);
     if (!from_left && right < block) return;
     const uint32_t moved = from_left ? rest_left : rest_right;
-    uint32_t list[MOST_IN_BUCKET + 1];
+    uint32_t list[MOST_LISTED + 1];
     ht_prim *side = from_left ? prims : prims + left;
     const uint32_t in_side = from_left ? left : right;
-    const uint32_t wanted = from_left ? split->plane - 1 : split->plane;
-    const uint32_t listed = list_bucket(split, side, in_side, wanted, list);
-    if (listed < moved || listed > MOST_IN_BUCKET) return;
+    const uint32_t listed = list_nearest(split, side, in_side, from_left, moved, list);
+    if (listed > MOST_LISTED) return;
     bring_to_edge(split, side, in_side, list, listed, moved, from_left);
     const uint32_t cut = from_left ? left - moved : left + moved;
     const ht_box4 a = ht_prims_box(prims, cut), b = ht_prims_box(prims + cut, count - cut);
