@@ -293,20 +293,26 @@ bench-device: all ## time kinds on the CPU, on an OpenCL device (DEVICE=name) an
 	    --json $(OUT)/bench-device.json $(MESH) >$(OUT)/bench-device.txt
 	@cat $(OUT)/bench-device.txt
 
-# KINDS, PEERS and THREADS replace the lists; SCENE adds built-in scenes, such as terrain:10000000.
+# KINDS, PEERS and THREADS replace the lists; SCENE adds built-in scenes, such as terrain:10000000; FLAGS adds
+# options of htree-bench.
 KINDS ?= fast,balanced,best,fast+lazy,balanced+compact
 QUICK_PEERS := embree-low,embree-low-robust,embree-refit,embree-refit-robust
 PEERS ?= $(QUICK_PEERS),embree-medium,embree-medium-robust,embree-medium-compact,embree-high,embree-high-robust
 THREADS ?= 1,0
+RESULT ?= bench-peers
 bench-peers: all ## builds, rays and T_T beside Embree's, as docs/results/bench-peers.txt (MESH=path, SCENE=name)
 	@mkdir -p $(OUT)
-	$(Q)$(B)/htree-bench --threads $(THREADS) --kind $(KINDS) $(if $(HAVE_EMBREE),--peer $(PEERS)) \
-	    --json $(OUT)/bench-peers.json $(SCENE:%=--scene %) $(MESH) >$(OUT)/bench-peers.txt
-	@cat $(OUT)/bench-peers.txt
-	@cp $(OUT)/bench-peers.txt docs/results/
+	$(Q)$(B)/htree-bench --threads $(THREADS) --kind $(KINDS) $(if $(HAVE_EMBREE),--peer $(PEERS)) $(FLAGS) \
+	    --json $(OUT)/$(RESULT).json $(SCENE:%=--scene %) $(MESH) >$(OUT)/$(RESULT).txt
+	@cat $(OUT)/$(RESULT).txt
+	@cp $(OUT)/$(RESULT).txt docs/results/
 ifneq ($(HAVE_EMBREE),yes)
 	@echo "note: Embree is not in it (apt-get install libembree-dev)"
 endif
+
+bench-large: ## the same for a surface of 10^7 triangles, as docs/results/bench-large.txt: 8 GB, a quarter of an hour
+	$(Q)$(MAKE) --no-print-directory bench-peers RESULT=bench-large SCENE=terrain:10000000 KINDS=fast,balanced,fast+lazy \
+	    PEERS=embree-low,embree-medium,embree-refit FLAGS='--rounds 3 --seconds 0'
 
 table1: all ## the paper's Table 1 with its figures beside ours, over the meshes in HTREE_SCENES
 	@mkdir -p $(OUT)
@@ -405,6 +411,6 @@ help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(filter-out %.d,$(MAKEFILE_LIST)) | expand -t 18
 
-.PHONY: print-packages all lib run bench bench-device bench-peers table1 plots tests test check check-arm check-fresh layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench bench-device bench-peers bench-large table1 plots tests test check check-arm check-fresh layers format deps install uninstall clean help
 
 -include $(shell find $(B) build/fuzz -name '*.d' 2>/dev/null)
