@@ -1,8 +1,9 @@
 /* wide_errand.c: the subtree over the prims of a few cells.
  *
  * A node begins as one run of prims and splits the run with the largest box, until it has eight
- * or all are leaves. A leaf tests its prims at once, so eq. 1 counts leaves where it has counted
- * prims (`block_bits` of split.h): that fills leaves, and measured faster to build and to trace. */
+ * or all are nodes of leaves; then leaves come up as far as there is room. A leaf tests its prims
+ * at once, so eq. 1 counts leaves where it has counted prims (`block_bits` of split.h): that fills
+ * leaves, and measured faster to build and to trace. */
 #include "wide.h"
 
 typedef struct building {
@@ -25,6 +26,37 @@ static htree_status add_leaf(building *b, const ht_wide_run *run, uint32_t *chil
                             child);
 }
 
+/* The run with the largest box whose leaves there is room for here, and which has not been tried;
+ * `count` if there is none. */
+static uint32_t choose_small(const ht_wide_run *runs, uint32_t count, uint32_t tried) {
+    uint32_t best = count;
+    float most = -1;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t leaves = (runs[i].count + HT_LANES - 1) / HT_LANES;
+        const float area = ht_box4_area(&runs[i].box);
+        const bool fits = leaves > 1 && count - 1 + leaves <= HT_LANES && !(tried >> i & 1);
+        best = fits && area > most ? i : best;
+        most = fits && area > most ? area : most;
+    }
+    return best;
+}
+
+/* Leaves come up into a node that has room for all of their own node's: the tree has a node less,
+ * and so have the rays that go there. Returns how many runs there are then. */
+static uint32_t lift_leaves(const building *b, ht_wide_run *runs, uint32_t count) {
+    uint32_t tried = 0, chosen;
+    while ((chosen = choose_small(runs, count, tried)) < count) {
+        ht_wide_run leaves[HT_LANES];
+        const uint32_t more =
+            ht_wide_split(b->options, b->spare, &runs[chosen], false, false, leaves);
+        tried |= 1u << chosen;
+        if (count - 1 + more > HT_LANES) continue;
+        runs[chosen] = leaves[0];
+        for (uint32_t i = 1; i < more; ++i) runs[count++] = leaves[i];
+    }
+    return count;
+}
+
 /* The subtree over a run, `level` nodes below the root, where `waiting` entries stand on a ray's
  * stack already. */
 static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level, uint32_t waiting,
@@ -32,7 +64,8 @@ static htree_status subtree(building *b, const ht_wide_run *all, uint32_t level,
     ht_wide_run runs[HT_LANES];
     uint32_t lane[HT_LANES], slot;
     const bool scarce = level + levels_needed(all->count) >= HT_WIDE_LEVELS;
-    const uint32_t count = ht_wide_split(b->options, b->spare, all, scarce, false, runs);
+    const uint32_t parts = ht_wide_split(b->options, b->spare, all, scarce, false, runs);
+    const uint32_t count = lift_leaves(b, runs, parts);
     HT_TRY(ht_wide_write_node(b->part, runs, count, &all->box, lane, &slot));
     waiting += count - 1;
     if (waiting > b->part->deepest) b->part->deepest = waiting;
