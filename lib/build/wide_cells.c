@@ -7,8 +7,8 @@
 #include "wide.h"
 
 enum {
-    ALONE = 2048, /* prims of a mesh that needs no grid */
-    PRIMS_A_CELL = 8,
+    ALONE = 2048,      /* prims of a mesh that needs no grid */
+    PRIMS_A_CELL = 64, /* of a finer grid */
     MOST_CELLS = 1 << 15,
     GROUPS = 32
 };
