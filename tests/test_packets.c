@@ -92,6 +92,23 @@ static void rows_are_found(void **state) {
     }
 }
 
+static void cells_are_found(void **state) {
+    static const uint32_t widths[] = {32, 40, 104, 256, 1000};
+    const float eye[3] = {0.3f, 2, 5}, forward[3] = {-2 / 7.0f, -3 / 7.0f, -6 / 7.0f};
+    const htree_box box = {{-1, -1, -1}, {1, 1, 1}};
+    (void)state;
+    for (uint32_t i = 0; i < 2 * COUNT_OF(widths); ++i) {
+        const uint32_t width = widths[i / 2], cell = 2 + i % 2;
+        picture p = picture_pinhole(width, 40, i % 5, eye, forward, 0.05f / (float)width);
+        picture_cells(&p, 1u << cell);
+        const ht_rows rows = ht_find_rows(p.rays, p.count, &box, 100);
+        assert_int_equal(rows.row, width);
+        assert_int_equal(rows.count, 40);
+        assert_int_equal(rows.cell, cell);
+        free(p.rays);
+    }
+}
+
 static void scattered_rays_have_no_rows(void **state) {
     picture p = picture_of(64, 64, 0);
     dice d = {3};
@@ -192,6 +209,29 @@ static void odd_rays_change_nothing(void **state) {
     conclude("odd rays");
 }
 
+static void cells_change_nothing(void **state) {
+    shape s = shape_of("city", scaled(3000), 5);
+    const htree_mesh mesh = mesh_of(&s);
+    const ray_target target = ray_target_of(&mesh);
+    htree *const tree = tree_of_kind(&mesh, HTREE_WIDE);
+    dice d = {13};
+    (void)state;
+    for (uint32_t i = 0; i < 12; ++i) {
+        const uint32_t side = i % 2 ? 8 : 4, width = side * (5 + i);
+        float eye[3], forward[3];
+        picture_view(&target, &d, eye, forward);
+        picture p = picture_pinhole(width, 5 * side, i, eye, forward, 0.01f);
+        picture_cells(&p, side);
+        const ht_rows rows = ht_find_rows(p.rays, p.count, &tree->bounds, tree->prim_count);
+        assert_int_equal(rows.cell, i % 2 ? 3 : 2);
+        if (i > 5) picture_disturb(&p, &d);
+        compare_and_free(tree, p);
+    }
+    htree_free(tree);
+    shape_free(&s);
+    conclude("cells");
+}
+
 static void every_scale_gives_the_same(void **state) {
     static const int scales[] = {-140, -100, -60, -20, 20, 40, 57};
     (void)state;
@@ -251,8 +291,8 @@ static void compare_tile(const htree *tree, const ht_tile_walks *walks, const pi
                          const htree_hit *truth, uint32_t width, uint32_t height) {
     htree_hit *const hits = (htree_hit *)take(p->count * sizeof *hits);
     uint8_t *const any = (uint8_t *)take(p->count);
-    const ht_tile closest = {p->rays, p->width, width, height, hits, NULL};
-    const ht_tile first = {p->rays, p->width, width, height, NULL, any};
+    const ht_tile closest = {p->rays, p->width, 0, width, height, hits, NULL};
+    const ht_tile first = {p->rays, p->width, 0, width, height, NULL, any};
     memset(hits, 0x5a, p->count * sizeof *hits);
     memset(any, 0x5a, p->count);
     walks->closest(tree, &closest);
@@ -400,10 +440,12 @@ static void a_stack_of_64_kib_is_enough(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_found),
+        cmocka_unit_test(cells_are_found),
         cmocka_unit_test(scattered_rays_have_no_rows),
         cmocka_unit_test(pictures_equal_rays_one_by_one),
         cmocka_unit_test(mixed_headings_change_nothing),
         cmocka_unit_test(odd_rays_change_nothing),
+        cmocka_unit_test(cells_change_nothing),
         cmocka_unit_test(every_scale_gives_the_same),
         cmocka_unit_test(no_ray_through_a_corner_is_lost),
 #ifdef HT_X86

@@ -8,12 +8,20 @@
 
 #include <float.h>
 
-/* A batch as a picture: `count` whole rows, to be taken `height` at once. */
+/* A batch as a picture: `count` whole rows, to be taken `height` at once. It comes row by row, or in
+ * square cells, row by row of them, and within each row by row. */
 typedef struct ht_rows {
     uint64_t row; /* rays in a row; 0: neighbours do not agree */
     uint64_t count;
     uint32_t height;
+    uint32_t cell; /* a cell is 1 << this rays wide; 0: no cells */
 } ht_rows;
+
+/* Which ray is at column x of row y. */
+HT_INLINE uint64_t ht_ray_at(uint64_t row, uint32_t cell, uint64_t x, uint64_t y) {
+    const uint64_t within = (1u << cell) - 1;
+    return (y & ~within) * row + ((x & ~within) << cell) + ((y & within) << cell) + (x & within);
+}
 
 /* The largest side of a box, never 0. */
 HT_INLINE float ht_extent(const htree_box *box) {

@@ -124,9 +124,10 @@ static void trace_strip(void *data, uint32_t index) {
     const uint64_t across = strips_across(b);
     const uint64_t left = index % across * b->block, top = index / across * rows->height;
     const uint64_t right = rows->row - left, below = rows->count - top;
-    const uint64_t first = top * rows->row + left;
+    const uint64_t first = ht_ray_at(rows->row, rows->cell, left, top);
     const ht_tile tile = {b->rays + first,
                           rows->row,
+                          rows->cell,
                           right < b->block ? (uint32_t)right : b->block,
                           below < rows->height ? (uint32_t)below : rows->height,
                           b->hits ? b->hits + first : NULL,

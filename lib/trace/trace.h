@@ -35,12 +35,12 @@ typedef struct ht_block_walks {
 extern const ht_block_walks ht_wide_avx2_walks, ht_wide_avx512_walks; /* x86/ */
 extern const ht_block_walks ht_wide_neon_walks;                       /* arm/ */
 
-/* Rays of a picture that a thread takes at once: `height` rows of `width`, each `stride` rays after
- * the one before; so are the answers, which go to hits, or else to occluded. */
+/* Rays of a picture that a thread takes at once: `height` rows of `width`, out of rows of `row`, in
+ * cells or not, as coherence.h has it; so are the answers, which go to hits, or else to occluded. */
 typedef struct ht_tile {
     const htree_ray *rays;
-    uint64_t stride;
-    uint32_t width, height;
+    uint64_t row;
+    uint32_t cell, width, height;
     htree_hit *hits;
     uint8_t *occluded;
 } ht_tile;

@@ -80,6 +80,19 @@ void picture_view(const ray_target *target, dice *d, float *eye, float *forward)
     }
 }
 
+void picture_cells(picture *p, uint32_t side) {
+    const uint64_t seen = (uint64_t)p->width * p->height;
+    htree_ray *const rows = p->rays, *to = (htree_ray *)take((size_t)(p->count + 1) * sizeof *to);
+    p->rays = to;
+    for (uint32_t top = 0; top < p->height; top += side)
+        for (uint32_t left = 0; left < p->width; left += side)
+            for (uint32_t y = top; y < top + side; ++y)
+                for (uint32_t x = left; x < left + side; ++x)
+                    *to++ = rows[(uint64_t)y * p->width + x];
+    memcpy(to, rows + seen, (size_t)(p->count - seen) * sizeof *to);
+    free(rows);
+}
+
 void picture_shuffle(picture *p, dice *d) {
     for (uint64_t i = p->count; i > 1; --i) {
         const uint64_t k = dice_below(d, (uint32_t)i);

@@ -27,6 +27,10 @@ picture picture_shadows(const htree *tree, const picture *seen, const float *lig
 /* A point outside of the box, and the way to its middle; the dice turn it. */
 void picture_view(const ray_target *target, dice *d, float *eye, float *forward);
 
+/* Brings the rays into square cells, row by row of them, and row by row in each; their side divides
+ * width and height. */
+void picture_cells(picture *p, uint32_t side);
+
 /* Puts the rays into any order. */
 void picture_shuffle(picture *p, dice *d);
 

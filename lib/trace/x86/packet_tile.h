@@ -30,6 +30,11 @@ typedef struct plan {
     bool gave_up;
 } plan;
 
+/* From a ray of a group to the one below it. */
+HT_INLINE uint64_t stride_of(const ht_tile *tile) {
+    return tile->cell ? (uint64_t)1 << tile->cell : tile->row;
+}
+
 HT_INLINE bool is_whole(const place *at) {
     return at->columns == COLUMNS && at->rows == ROWS;
 }
@@ -37,11 +42,12 @@ HT_INLINE bool is_whole(const place *at) {
 /* A group at the edge of a tile: its first ray takes the place of those that it lacks. */
 HT_TARGET HT_INLINE uint32_t fill_some(group *g, const ht_tile *tile, const place *at) {
     const htree_ray *rays = tile->rays + at->first;
+    const uint64_t stride = stride_of(tile);
     htree_ray some[LANES];
     for (uint32_t k = 0; k < ROWS; ++k) {
         for (uint32_t j = 0; j < COLUMNS; ++j) {
             const bool in = k < at->rows && j < at->columns;
-            some[k * COLUMNS + j] = in ? rays[k * tile->stride + j] : *rays;
+            some[k * COLUMNS + j] = in ? rays[k * stride + j] : *rays;
         }
     }
     return fill_group(g, some, COLUMNS);
@@ -54,7 +60,7 @@ HT_INLINE void find_places(const ht_tile *tile, uint32_t x, uint32_t y, uint32_t
     for (uint32_t i = 0; i < LANES; ++i) {
         const uint32_t left = x + i % across * COLUMNS, top = y + i / across * ROWS;
         if (left >= tile->width || top >= tile->height) continue;
-        const place at = {top * tile->stride + left,
+        const place at = {ht_ray_at(tile->row, tile->cell, left, top),
                           tile->width - left < COLUMNS ? tile->width - left : COLUMNS,
                           tile->height - top < ROWS ? tile->height - top : ROWS};
         s->places[s->count++] = at;
@@ -63,12 +69,13 @@ HT_INLINE void find_places(const ht_tile *tile, uint32_t x, uint32_t y, uint32_t
 
 /* Fills the groups and makes their beams. */
 HT_TARGET HT_INLINE void take_groups(const htree *tree, const ht_tile *tile, plan *s) {
+    const uint64_t stride = stride_of(tile);
     uint32_t wanting = 0;
     for (uint32_t i = 0; i < s->count; ++i) {
         const place *at = &s->places[i];
         group *g = &s->p->groups[i];
-        const uint32_t mask = is_whole(at) ? fill_group(g, tile->rays + at->first, tile->stride)
-                                           : fill_some(g, tile, at);
+        const uint32_t mask =
+            is_whole(at) ? fill_group(g, tile->rays + at->first, stride) : fill_some(g, tile, at);
         wanting |= (uint32_t)(mask != 0) << i;
     }
     for (uint32_t i = s->count; i < LANES; ++i) memset(&s->p->groups[i], 0, sizeof(group));
@@ -82,33 +89,36 @@ HT_TARGET HT_INLINE void take_groups(const htree *tree, const ht_tile *tile, pla
 
 HT_TARGET HT_INLINE void answer_closest(const ht_tile *tile, const place *at, const group *g) {
     htree_hit *const hits = tile->hits + at->first;
+    const uint64_t stride = stride_of(tile);
     htree_hit some[LANES];
     if (is_whole(at)) {
-        give_hits(g, hits, tile->stride);
+        give_hits(g, hits, stride);
         return;
     }
     give_hits(g, some, COLUMNS);
     for (uint32_t k = 0; k < at->rows; ++k)
-        memcpy(hits + k * tile->stride, some + k * COLUMNS, at->columns * sizeof *hits);
+        memcpy(hits + k * stride, some + k * COLUMNS, at->columns * sizeof *hits);
 }
 
 HT_TARGET HT_INLINE void answer_any(const ht_tile *tile, const place *at, const group *g) {
     uint8_t *const occluded = tile->occluded + at->first;
+    const uint64_t stride = stride_of(tile);
     const uint32_t hit = prims_hit(g->prim);
     for (uint32_t k = 0; k < at->rows; ++k) {
         for (uint32_t j = 0; j < at->columns; ++j)
-            occluded[k * tile->stride + j] = hit >> (ROWS * j + k) & 1;
+            occluded[k * stride + j] = hit >> (ROWS * j + k) & 1;
     }
 }
 
 HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, const plan *s,
                                    ht_block_walk *walk) {
     loners alone, *const all = &alone;
+    const uint64_t stride = stride_of(tile);
     uint64_t count = 0, i = 0;
     for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
         const place *at = &s->places[__builtin_ctz(rest)];
         for (uint32_t k = 0; k < at->rows; ++k, count += at->columns)
-            memcpy(all->rays + count, tile->rays + at->first + k * tile->stride,
+            memcpy(all->rays + count, tile->rays + at->first + k * stride,
                    at->columns * sizeof *all->rays);
     }
     const ht_block block = {all->rays, count, tile->hits ? all->hits : NULL,
@@ -117,7 +127,7 @@ HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, const
     for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
         const place *at = &s->places[__builtin_ctz(rest)];
         for (uint32_t k = 0; k < at->rows; ++k, i += at->columns) {
-            const uint64_t to = at->first + k * tile->stride;
+            const uint64_t to = at->first + k * stride;
             if (tile->hits)
                 memcpy(tile->hits + to, all->hits + i, at->columns * sizeof *all->hits);
             else
@@ -158,11 +168,14 @@ HT_TARGET HT_INLINE void prefetch(const void *from, uint32_t bytes) {
  * far, from many places at a time. */
 HT_TARGET HT_INLINE void prefetch_groups(const ht_tile *tile, uint32_t x, uint32_t y,
                                          uint32_t width, uint32_t height) {
+    const uint32_t run = tile->cell ? COLUMNS : width;
     if (x + 2 * width > tile->width || y + height > tile->height) return;
     for (uint32_t k = y; k < y + height; ++k) {
-        const uint64_t next = k * tile->stride + x + width;
-        prefetch(tile->rays + next, width * (uint32_t)sizeof *tile->rays);
-        if (tile->hits) prefetch(tile->hits + next, width * (uint32_t)sizeof *tile->hits);
+        for (uint32_t j = x + width; j < x + 2 * width; j += run) {
+            const uint64_t next = ht_ray_at(tile->row, tile->cell, j, k);
+            prefetch(tile->rays + next, run * (uint32_t)sizeof *tile->rays);
+            if (tile->hits) prefetch(tile->hits + next, run * (uint32_t)sizeof *tile->hits);
+        }
     }
 }
 
