@@ -139,7 +139,7 @@ HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, const
 /* ---- Tiles ---------------------------------------------------------------------------------- */
 
 /* Walks the groups that are ready, those that head the same way together. */
-HT_TARGET HT_INLINE void walk_ready(const htree *tree, plan *s, const bool any) {
+HT_TARGET HT_INLINE void walk_ready(const htree *tree, plan *s, ahead *next, const bool any) {
     s->gave_up = false;
     while (s->ready) {
         const heading h = s->headings[__builtin_ctz(s->ready)];
@@ -153,39 +153,21 @@ HT_TARGET HT_INLINE void walk_ready(const htree *tree, plan *s, const bool any) 
         s->p->h = h;
         s->ready &= ~groups;
         const bool done = make_whole(s->p, &s->all, groups)
-                              ? walk_packet(tree, s->p, groups, any, true)
-                              : walk_packet(tree, s->p, groups, any, false);
+                              ? walk_packet(tree, s->p, groups, next, any, true)
+                              : walk_packet(tree, s->p, groups, next, any, false);
         if (!done) s->scattered |= groups;
         s->gave_up |= !done;
     }
 }
 
-HT_TARGET HT_INLINE void prefetch(const void *from, uint32_t bytes) {
-    for (uint32_t i = 0; i < bytes; i += 64) _mm_prefetch((const char *)from + i, _MM_HINT_T1);
-}
-
-/* Rays right of those that are taken, which are wanted next, and where their hits go: both come from
- * far, from many places at a time. */
-HT_TARGET HT_INLINE void prefetch_groups(const ht_tile *tile, uint32_t x, uint32_t y,
-                                         uint32_t width, uint32_t height) {
-    const uint32_t run = tile->cell ? COLUMNS : width;
-    if (x + 2 * width > tile->width || y + height > tile->height) return;
-    for (uint32_t k = y; k < y + height; ++k) {
-        for (uint32_t j = x + width; j < x + 2 * width; j += run) {
-            const uint64_t next = ht_ray_at(tile->row, tile->cell, j, k);
-            prefetch(tile->rays + next, run * (uint32_t)sizeof *tile->rays);
-            if (tile->hits) prefetch(tile->hits + next, run * (uint32_t)sizeof *tile->hits);
-        }
-    }
-}
-
 /* The packet is on the stack no longer than its walk: stacks may be small. */
 HT_TARGET HT_NOINLINE static void walk_together(const htree *tree, const ht_tile *tile, plan *s,
-                                                const bool any) {
+                                                ahead *next, const bool any) {
     packet p;
     s->p = &p;
     take_groups(tree, tile, s);
-    walk_ready(tree, s, any);
+    walk_ready(tree, s, next, any);
+    look_ahead(next, LANES * ROWS);
     for (uint32_t i = 0; i < s->count; ++i) {
         if (s->scattered >> i & 1) continue;
         if (any)
@@ -195,28 +177,42 @@ HT_TARGET HT_NOINLINE static void walk_together(const htree *tree, const ht_tile
     }
 }
 
+/* What the packet of a plan wants of memory. */
+HT_INLINE ahead ahead_of(const ht_tile *tile, const plan *s) {
+    ahead to;
+    to.rays = tile->rays;
+    to.hits = tile->hits;
+    to.stride = stride_of(tile);
+    to.rows = s->count * ROWS;
+    for (uint32_t i = 0; i < s->count; ++i) to.first[i] = s->places[i].first;
+    return to;
+}
+
 /* Packet by packet. Where one had to give up, those that follow are not tried: one at first, then
  * more. */
 HT_TARGET HT_INLINE void walk_tile(const htree *tree, const ht_tile *tile, ht_block_walk *alone,
                                    const bool any) {
     const uint32_t fit = (tile->width + COLUMNS - 1) / COLUMNS;
     const uint32_t across = fit >= 4 ? 4 : fit >= 2 ? 2 : 1, down = LANES / across;
+    const uint32_t columns = (fit + across - 1) / across;
+    const uint32_t rows = (tile->height + down * ROWS - 1) / (down * ROWS);
     uint32_t penalty = 0, skip = 0;
-    for (uint32_t y = 0; y < tile->height; y += down * ROWS) {
-        for (uint32_t x = 0; x < tile->width; x += across * COLUMNS) {
-            plan s;
-            find_places(tile, x, y, across, &s);
-            prefetch_groups(tile, x, y, across * COLUMNS, down * ROWS);
-            s.scattered = ALL_LANES >> (LANES - s.count);
-            if (skip > 0) {
-                --skip;
-            } else {
-                walk_together(tree, tile, &s, any);
-                penalty = s.gave_up ? 2 * penalty + 1 : 0;
-                skip = penalty / 2;
-            }
-            if (s.scattered) walk_alone(tree, tile, &s, alone);
+    plan plans[2];
+    find_places(tile, 0, 0, across, &plans[0]);
+    for (uint32_t i = 0; i < columns * rows; ++i) {
+        plan *s = &plans[i % 2], *following = &plans[1 - i % 2];
+        find_places(tile, (i + 1) % columns * across * COLUMNS, (i + 1) / columns * down * ROWS,
+                    across, following);
+        ahead next = ahead_of(tile, following);
+        s->scattered = ALL_LANES >> (LANES - s->count);
+        if (skip > 0) {
+            --skip;
+        } else {
+            walk_together(tree, tile, s, &next, any);
+            penalty = s->gave_up ? 2 * penalty + 1 : 0;
+            skip = penalty / 2;
         }
+        if (s->scattered) walk_alone(tree, tile, s, alone);
     }
 }
 

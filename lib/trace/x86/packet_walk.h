@@ -12,6 +12,19 @@
 /* Leaves that a group may see on average, until its rays are better off as streams. */
 enum { PATIENCE = 64 };
 
+/* Rows of groups that are asked for ahead at each step. */
+enum { AHEAD = 4 };
+
+/* The rays that are wanted next, and where their hits go: both come from far, and are asked for a few
+ * at a time while others walk. */
+typedef struct ahead {
+    const htree_ray *rays;
+    const htree_hit *hits; /* or NULL */
+    uint64_t first[LANES]; /* of each group */
+    uint64_t stride;       /* from a row of a group to the next */
+    uint32_t rows;         /* still to be asked for, of all groups */
+} ahead;
+
 typedef struct packet {
     group groups[LANES];
     beams one;   /* of each group */
@@ -21,6 +34,19 @@ typedef struct packet {
     uint32_t child[HT_PACKET_STACK];
     VECTORS float from[HT_PACKET_STACK][LANES]; /* where beams meet the child; NaN: they do not */
 } packet;
+
+HT_TARGET HT_INLINE void prefetch(const void *from, uint32_t bytes) {
+    for (uint32_t i = 0; i < bytes; i += 64) _mm_prefetch((const char *)from + i, _MM_HINT_T1);
+}
+
+HT_TARGET HT_INLINE void look_ahead(ahead *to, uint32_t rows) {
+    for (; rows > 0 && to->rows > 0; --rows) {
+        const uint32_t i = --to->rows;
+        const uint64_t ray = to->first[i / ROWS] + i % ROWS * to->stride;
+        prefetch(to->rays + ray, COLUMNS * (uint32_t)sizeof *to->rays);
+        if (to->hits) prefetch(to->hits + ray, COLUMNS * (uint32_t)sizeof *to->hits);
+    }
+}
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
 
@@ -251,8 +277,8 @@ HT_TARGET HT_INLINE bool make_whole(packet *p, const spans *s, uint32_t groups) 
 }
 
 /* Returns false if it gave up: what the beams meet is too much for the rays in them. */
-HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t groups, const bool any,
-                                     const bool pinhole) {
+HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t groups, ahead *next,
+                                     const bool any, const bool pinhole) {
     const ht_wide_node *nodes = (const ht_wide_node *)tree->nodes;
     uint32_t patience = PATIENCE * (uint32_t)_mm_popcnt_u32(groups);
     p->child[0] = 0;
@@ -261,6 +287,7 @@ HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t grou
         const lanes from = load(p->from[--top]);
         const uint32_t mask = at_most(from, load(p->one.tfar));
         if (!mask) continue;
+        look_ahead(next, AHEAD);
         const uint32_t child = ht_wide_resolve(tree, p->child[top]);
         const uint32_t cost = child & HT_WIDE_LEAF ? (uint32_t)_mm_popcnt_u32(mask) : 1;
         if (cost > patience) return false;
