@@ -8,6 +8,7 @@
 #define HT_PACKET_WALK_H
 
 #include "packet_rays.h"
+#include "trace/to_front.h"
 
 /* Leaves that a group may see on average, until its rays are better off as streams. */
 enum { PATIENCE = 64 };
@@ -167,10 +168,14 @@ HT_TARGET HT_INLINE lanes edge_of(corner a, corner b) {
     return a.x * b.y - a.y * b.x;
 }
 
-/* Where the verdict of triangle.h reads: it goes through memory, which widens at no cost. */
+/* A triangle that has candidates in a group, sheared for each ray: where the verdict of triangle.h
+ * reads. It goes through memory, which widens at no cost. */
 typedef struct judged {
     VECTORS float x[3][LANES], y[3][LANES], z[3][LANES];
+    uint32_t candidates, group, triangle;
 } judged;
+
+enum { VERDICTS = 8 }; /* that wait for each other */
 
 /* The verdict of triangle.h for half of the rays, from lane `first` on. Returns a bit for each that
  * the triangle meets. */
@@ -205,24 +210,20 @@ HT_TARGET HT_INLINE uint32_t find_candidates(const corners *from, uint32_t i, co
     return ~(below(low, spread(0)) & below(spread(0), high)) & ALL_LANES;
 }
 
-/* Tests triangle `i` of a leaf; returns whether it is a better answer for any ray. */
-HT_TARGET HT_INLINE bool meet_triangle(const ht_wide_leaf *leaf, const corners *from, uint32_t i,
-                                       group *g, const heading *h, const bool any,
-                                       const bool pinhole) {
-    judged p;
-    const uint32_t candidates = find_candidates(from, i, g, h->kz, pinhole, &p);
-    if (!candidates) return false;
+/* Returns whether the triangle is a better answer for any ray. */
+HT_TARGET HT_INLINE bool meet_triangle(group *g, const judged *p, uint32_t prim, uint32_t kz,
+                                       const bool any) {
     half t[2], bary[2][3];
-    uint32_t met = judge(g, &p, h->kz, 0, &t[0], bary[0]);
-    met |= judge(g, &p, h->kz, LANES / 2, &t[1], bary[1]) << LANES / 2;
+    uint32_t met = judge(g, p, kz, 0, &t[0], bary[0]);
+    met |= judge(g, p, kz, LANES / 2, &t[1], bary[1]) << LANES / 2;
     const lanes found = narrow(t[0], t[1]), limit = load(g->limit);
     const uint32_t nearer =
         any ? at_most(found, limit)
-            : below(found, limit) | (at_most(found, limit) & prims_above(g->prim, leaf->prim[i]));
-    const uint32_t better = candidates & met & nearer & at_most(load(g->tmin), found);
+            : below(found, limit) | (at_most(found, limit) & prims_above(g->prim, prim));
+    const uint32_t better = p->candidates & met & nearer & at_most(load(g->tmin), found);
     if (!better) return false;
     store(g->limit, pick(better, any ? spread(-INFINITY) : found, limit));
-    store_prim(g->prim, better, leaf->prim[i]);
+    store_prim(g->prim, better, prim);
     for (int side = 0; !any && side < 2; ++side) {
         const uint32_t some = better >> side * LANES / 2;
         store_some(g->det + side * LANES / 2, some, bary[side][0]);
@@ -238,20 +239,63 @@ HT_TARGET HT_INLINE uint32_t used_lanes(const ht_wide_leaf *leaf) {
     return ~(uint32_t)_mm256_movemask_ps(prims) & 255;
 }
 
-HT_TARGET HT_INLINE void meet_leaf(const ht_wide_leaf *leaf, packet *p, uint32_t groups,
-                                   const bool any, const bool pinhole) {
+/* Groups and triangles whose boxes their beams meet. */
+typedef struct pairs {
+    uint8_t group[LANES * HT_LANES], triangle[LANES * HT_LANES];
+    uint32_t count;
+} pairs;
+
+HT_TARGET HT_INLINE void find_pairs(const ht_wide_leaf *leaf, const corners *from, const packet *p,
+                                    uint32_t groups, pairs *out) {
     const uint32_t all = used_lanes(leaf);
-    corners c;
-    take_corners(leaf, p, &c, pinhole);
+    out->count = 0;
     for (; groups; groups &= groups - 1) {
         const uint32_t g = (uint32_t)__builtin_ctz(groups);
-        uint32_t triangles = clip_boxes((const float *)c.planes, &p->one, g, p->h.negative) & all;
-        bool better = false;
-        for (; triangles; triangles &= triangles - 1) {
-            const uint32_t i = (uint32_t)__builtin_ctz(triangles);
-            better |= meet_triangle(leaf, &c, i, &p->groups[g], &p->h, any, pinhole);
-        }
-        if (better) p->one.tfar[g] = highest(load(p->groups[g].limit), ALL_LANES);
+        const uint64_t eight = g * 0x0101010101010101u;
+        const uint32_t triangles =
+            all & clip_boxes((const float *)from->planes, &p->one, g, p->h.negative);
+        memcpy(out->group + out->count, &eight, sizeof eight);
+        memcpy(out->triangle + out->count, &ht_to_front[triangles], sizeof *ht_to_front);
+        out->count += (uint32_t)_mm_popcnt_u32(triangles);
+    }
+}
+
+/* Returns a bit for each group that has a better answer. */
+HT_TARGET HT_INLINE uint32_t meet_triangles(const ht_wide_leaf *leaf, packet *p, const judged *from,
+                                            uint32_t count, const bool any) {
+    uint32_t better = 0;
+    for (const judged *end = from + count; from < end; ++from) {
+        const uint32_t prim = leaf->prim[from->triangle];
+        better |= (uint32_t)meet_triangle(&p->groups[from->group], from, prim, p->h.kz, any)
+                  << from->group;
+    }
+    return better;
+}
+
+/* Stage by stage for all groups, rather than group by group: loops over the few triangles of a group
+ * end unforeseen. */
+HT_TARGET HT_INLINE void meet_leaf(const ht_wide_leaf *leaf, packet *p, uint32_t groups,
+                                   const bool any, const bool pinhole) {
+    uint32_t waiting = 0, better = 0;
+    judged some[VERDICTS];
+    pairs met;
+    corners c;
+    take_corners(leaf, p, &c, pinhole);
+    find_pairs(leaf, &c, p, groups, &met);
+    for (uint32_t i = 0; i < met.count; ++i) {
+        judged *to = &some[waiting];
+        to->group = met.group[i];
+        to->triangle = met.triangle[i];
+        to->candidates =
+            find_candidates(&c, to->triangle, &p->groups[to->group], p->h.kz, pinhole, to);
+        waiting += to->candidates != 0;
+        if (waiting < VERDICTS && i + 1 < met.count) continue;
+        better |= meet_triangles(leaf, p, some, waiting, any);
+        waiting = 0;
+    }
+    for (; better; better &= better - 1) {
+        const uint32_t g = (uint32_t)__builtin_ctz(better);
+        p->one.tfar[g] = highest(load(p->groups[g].limit), ALL_LANES);
     }
 }
 
