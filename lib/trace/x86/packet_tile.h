@@ -152,11 +152,11 @@ HT_TARGET HT_INLINE void walk_ready(const htree *tree, plan *s, ahead *next, con
         }
         s->p->h = h;
         s->ready &= ~groups;
-        const bool done = make_whole(s->p, &s->all, groups)
-                              ? walk_packet(tree, s->p, groups, next, any, true)
-                              : walk_packet(tree, s->p, groups, next, any, false);
-        if (!done) s->scattered |= groups;
-        s->gave_up |= !done;
+        const uint32_t lost = make_whole(s->p, &s->all, groups)
+                                  ? walk_packet(tree, s->p, groups, next, any, true)
+                                  : walk_packet(tree, s->p, groups, next, any, false);
+        s->scattered |= lost;
+        s->gave_up |= 2 * _mm_popcnt_u32(lost) > _mm_popcnt_u32(groups);
     }
 }
 

@@ -10,7 +10,7 @@
 #include "packet_rays.h"
 #include "trace/to_front.h"
 
-/* Leaves that a group may see on average, until its rays are better off as streams. */
+/* Leaves that a group may see, until its rays are better off as streams. */
 enum { PATIENCE = 64 };
 
 /* Rows of groups that are asked for ahead at each step. */
@@ -320,11 +320,18 @@ HT_TARGET HT_INLINE bool make_whole(packet *p, const spans *s, uint32_t groups) 
     return pinhole;
 }
 
-/* Returns false if it gave up: what the beams meet is too much for the rays in them. */
-HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t groups, ahead *next,
-                                     const bool any, const bool pinhole) {
+/* Counts what the groups of a mask see at a child; returns those that have seen too much. */
+HT_TARGET HT_INLINE uint32_t count_seen(lanes *seen, uint32_t mask, const bool leaf) {
+    *seen = *seen + pick(mask, spread(leaf ? 1 : 1.0f / LANES), spread(0));
+    return mask & below(spread(PATIENCE), *seen);
+}
+
+/* Returns the groups that gave up: what their beams meet is too much for the rays in them. */
+HT_TARGET HT_INLINE uint32_t walk_packet(const htree *tree, packet *p, uint32_t groups, ahead *next,
+                                         const bool any, const bool pinhole) {
     const ht_wide_node *nodes = (const ht_wide_node *)tree->nodes;
-    uint32_t patience = PATIENCE * (uint32_t)_mm_popcnt_u32(groups);
+    lanes seen = spread(0);
+    uint32_t lost = 0;
     p->child[0] = 0;
     store(p->from[0], pick(groups, load(p->one.tnear), spread(NAN)));
     for (uint32_t top = 1; top > 0;) {
@@ -333,17 +340,19 @@ HT_TARGET HT_INLINE bool walk_packet(const htree *tree, packet *p, uint32_t grou
         if (!mask) continue;
         look_ahead(next, AHEAD);
         const uint32_t child = ht_wide_resolve(tree, p->child[top]);
-        const uint32_t cost = child & HT_WIDE_LEAF ? (uint32_t)_mm_popcnt_u32(mask) : 1;
-        if (cost > patience) return false;
-        patience -= cost;
+        const uint32_t tired = count_seen(&seen, mask, child & HT_WIDE_LEAF);
+        if (HT_UNLIKELY(tired)) {
+            store(p->one.tfar, pick(tired, spread(-INFINITY), load(p->one.tfar)));
+            lost |= tired;
+        }
         if (child & HT_WIDE_LEAF) {
-            meet_leaf(&tree->leaves[child & ~HT_WIDE_LEAF], p, mask, any, pinhole);
+            meet_leaf(&tree->leaves[child & ~HT_WIDE_LEAF], p, mask & ~tired, any, pinhole);
             p->whole.tfar[0] = highest(load(p->one.tfar), groups);
         } else {
             top = meet_node(tree, &nodes[child], p, from, top);
         }
     }
-    return true;
+    return lost;
 }
 
 #endif
