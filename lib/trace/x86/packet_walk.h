@@ -51,21 +51,22 @@ HT_TARGET HT_INLINE void look_ahead(ahead *to, uint32_t rows) {
 
 /* ---- Boxes ---------------------------------------------------------------------------------- */
 
-/* A bit for each of eight boxes that beam `g` meets. Distances grow with rdir if they are positive,
- * and no others count: rays of beams begin at 0 or later. */
+/* A bit for each of eight boxes that beam `g` meets, and where. Distances grow with rdir if they are
+ * positive, and no others count: rays of beams begin at 0 or later. */
 HT_TARGET HT_INLINE uint32_t clip_boxes(const float *planes, const beams *b, uint32_t g,
-                                        uint32_t negative) {
-    __m256 enter = _mm256_broadcast_ss(&b->tnear[g]), leave = _mm256_broadcast_ss(&b->tfar[g]);
+                                        uint32_t negative, __m256 *enter) {
+    __m256 leave = _mm256_broadcast_ss(&b->tfar[g]);
+    *enter = _mm256_broadcast_ss(&b->tnear[g]);
     for (uint32_t i = 0; i < 3; ++i) {
         const uint32_t n = negative >> i & 1;
         const __m256 near = _mm256_load_ps(planes + 8 * i + 24 * n);
         const __m256 far = _mm256_load_ps(planes + 8 * i + 24 * (1 - n));
         const __m256 from = near - _mm256_broadcast_ss(&b->entry[i][g]);
         const __m256 to = far - _mm256_broadcast_ss(&b->exit[i][g]);
-        enter = _mm256_max_ps(from * _mm256_broadcast_ss(&b->least[i][g]), enter);
+        *enter = _mm256_max_ps(from * _mm256_broadcast_ss(&b->least[i][g]), *enter);
         leave = _mm256_min_ps(to * _mm256_broadcast_ss(&b->most[i][g]), leave);
     }
-    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ));
+    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(*enter, leave, _CMP_LE_OQ));
 }
 
 /* Where beams meet box `lane` of a node; NaN for those that do not, as it was before for those that
@@ -95,23 +96,33 @@ HT_TARGET HT_INLINE void prefetch_child(const htree *tree, uint32_t child) {
     for (int i = 0; i < 5; ++i) _mm_prefetch(from + 64 * i, _MM_HINT_T0);
 }
 
-/* Bit i ^ negative becomes bit i. */
-HT_INLINE uint32_t by_octant(uint32_t bits, uint32_t negative) {
-    const uint32_t x = negative & 1, y = negative & 2, z = negative & 4;
-    bits = (bits & 0xaa) >> x | (bits & 0x55) << x;
-    bits = (bits & 0xcc) >> y | (bits & 0x33) << y;
-    return (bits & 0xf0) >> z | (bits & 0x0f) << z;
+/* The lanes of a mask by where the whole beam meets their boxes, the farthest first. Returns how many
+ * they are. Distances are sorted as words, whose lowest bits give way to the lane's number. */
+HT_TARGET HT_INLINE uint32_t sort_lanes(uint32_t mask, __m256 enter, uint32_t sorted[HT_LANES]) {
+    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    const __m256i high = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(enter));
+    uint32_t words[HT_LANES], count = 0;
+    _mm256_storeu_si256((__m256i *)(void *)words, _mm256_or_si256(high, lane));
+    for (; mask; mask &= mask - 1) {
+        const uint32_t word = words[__builtin_ctz(mask)];
+        uint32_t i = count++;
+        for (; i > 0 && sorted[i - 1] < word; --i) sorted[i] = sorted[i - 1];
+        sorted[i] = word;
+    }
+    return count;
 }
 
-/* Pushes the children that a beam meets, the one that is likely to be met first on top. */
+/* Pushes the children that a beam meets, the one that is met first on top. */
 HT_TARGET HT_INLINE uint32_t meet_node(const htree *tree, const ht_wide_node *node, packet *p,
                                        lanes from, uint32_t top) {
     const lanes until = load(p->one.tfar);
-    const uint32_t boxes = clip_boxes(&node->lo[0][0], &p->whole, 0, p->h.negative);
-    for (uint32_t rest = by_octant(boxes, p->h.negative); rest;) {
-        const uint32_t i = 31 - (uint32_t)__builtin_clz(rest), lane = i ^ p->h.negative;
+    uint32_t sorted[HT_LANES];
+    __m256 enter;
+    const uint32_t boxes = clip_boxes(&node->lo[0][0], &p->whole, 0, p->h.negative, &enter);
+    const uint32_t count = sort_lanes(boxes, enter, sorted);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t lane = sorted[i] % HT_LANES;
         lanes meets = from;
-        rest ^= 1u << i;
         if (!clip_beams(node, lane, p, until, &meets)) continue;
         prefetch_child(tree, node->child[lane]);
         p->child[top] = node->child[lane];
@@ -252,8 +263,9 @@ HT_TARGET HT_INLINE void find_pairs(const ht_wide_leaf *leaf, const corners *fro
     for (; groups; groups &= groups - 1) {
         const uint32_t g = (uint32_t)__builtin_ctz(groups);
         const uint64_t eight = g * 0x0101010101010101u;
+        __m256 enter;
         const uint32_t triangles =
-            all & clip_boxes((const float *)from->planes, &p->one, g, p->h.negative);
+            all & clip_boxes((const float *)from->planes, &p->one, g, p->h.negative, &enter);
         memcpy(out->group + out->count, &eight, sizeof eight);
         memcpy(out->triangle + out->count, &ht_to_front[triangles], sizeof *ht_to_front);
         out->count += (uint32_t)_mm_popcnt_u32(triangles);
