@@ -11,13 +11,6 @@ typedef struct place {
     uint32_t columns, rows; /* fewer than a group has at the edges of the tile */
 } place;
 
-/* Rays that agree with no neighbours, or not enough, and their answers. */
-typedef struct loners {
-    htree_ray rays[LANES * LANES];
-    htree_hit hits[LANES * LANES];
-    uint8_t occluded[LANES * LANES];
-} loners;
-
 /* What a walk of packets makes of a tile. */
 typedef struct plan {
     packet *p; /* while it walks */
@@ -110,30 +103,35 @@ HT_TARGET HT_INLINE void answer_any(const ht_tile *tile, const place *at, const 
     }
 }
 
-HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, const plan *s,
+/* Groups whose rays walk as streams, together with those of other packets: a few would not fill them. */
+typedef struct loners {
+    place places[LANES];
+    uint32_t count;
+} loners;
+
+HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, loners *s,
                                    ht_block_walk *walk) {
-    loners alone, *const all = &alone;
+    htree_ray rays[LANES * LANES];
+    htree_hit hits[LANES * LANES];
+    uint8_t occluded[LANES * LANES];
     const uint64_t stride = stride_of(tile);
-    uint64_t count = 0, i = 0;
-    for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
-        const place *at = &s->places[__builtin_ctz(rest)];
+    uint64_t count = 0, from = 0;
+    for (const place *at = s->places; at < s->places + s->count; ++at) {
         for (uint32_t k = 0; k < at->rows; ++k, count += at->columns)
-            memcpy(all->rays + count, tile->rays + at->first + k * stride,
-                   at->columns * sizeof *all->rays);
+            memcpy(rays + count, tile->rays + at->first + k * stride, at->columns * sizeof *rays);
     }
-    const ht_block block = {all->rays, count, tile->hits ? all->hits : NULL,
-                            tile->hits ? NULL : all->occluded};
+    const ht_block block = {rays, count, tile->hits ? hits : NULL, tile->hits ? NULL : occluded};
     walk(tree, &block);
-    for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
-        const place *at = &s->places[__builtin_ctz(rest)];
-        for (uint32_t k = 0; k < at->rows; ++k, i += at->columns) {
+    for (const place *at = s->places; at < s->places + s->count; ++at) {
+        for (uint32_t k = 0; k < at->rows; ++k, from += at->columns) {
             const uint64_t to = at->first + k * stride;
             if (tile->hits)
-                memcpy(tile->hits + to, all->hits + i, at->columns * sizeof *all->hits);
+                memcpy(tile->hits + to, hits + from, at->columns * sizeof *hits);
             else
-                memcpy(tile->occluded + to, all->occluded + i, at->columns);
+                memcpy(tile->occluded + to, occluded + from, at->columns);
         }
     }
+    s->count = 0;
 }
 
 /* ---- Tiles ---------------------------------------------------------------------------------- */
@@ -197,7 +195,9 @@ HT_TARGET HT_INLINE void walk_tile(const htree *tree, const ht_tile *tile, ht_bl
     const uint32_t columns = (fit + across - 1) / across;
     const uint32_t rows = (tile->height + down * ROWS - 1) / (down * ROWS);
     uint32_t penalty = 0, skip = 0;
+    loners scattered;
     plan plans[2];
+    scattered.count = 0;
     find_places(tile, 0, 0, across, &plans[0]);
     for (uint32_t i = 0; i < columns * rows; ++i) {
         plan *s = &plans[i % 2], *following = &plans[1 - i % 2];
@@ -212,8 +212,12 @@ HT_TARGET HT_INLINE void walk_tile(const htree *tree, const ht_tile *tile, ht_bl
             penalty = s->gave_up ? 2 * penalty + 1 : 0;
             skip = penalty / 2;
         }
-        if (s->scattered) walk_alone(tree, tile, s, alone);
+        for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
+            scattered.places[scattered.count++] = s->places[__builtin_ctz(rest)];
+            if (scattered.count == LANES) walk_alone(tree, tile, &scattered, alone);
+        }
     }
+    if (scattered.count) walk_alone(tree, tile, &scattered, alone);
 }
 
 #define HT_DEFINE_TILE_WALKS(name, alone)                                                          \
