@@ -313,6 +313,11 @@ endif
 bench-large: ## the same for a surface of 10^7 triangles, as docs/results/bench-large.txt: 8 GB, a quarter of an hour
 	$(Q)$(MAKE) --no-print-directory bench-peers RESULT=bench-large SCENE=terrain:10000000 KINDS=fast,balanced,fast+lazy \
 	    PEERS=embree-low,embree-medium,embree-refit FLAGS='--rounds 3 --seconds 0'
+bench-rust: all ## builds and rays beside those of other Rust crates, as docs/results/bench-rust.txt (MESH=path)
+	@mkdir -p $(OUT)
+	$(Q)sh bindings/rust/peers/bench.sh $(B) $(OUT) $(MESH)
+	@cat $(OUT)/bench-rust.txt
+	@cp $(OUT)/bench-rust.txt docs/results/
 
 table1: all ## the paper's Table 1 with its figures beside ours, over the meshes in HTREE_SCENES
 	@mkdir -p $(OUT)
@@ -411,6 +416,6 @@ help: ## this list
 	@echo "make [config=release|debug|sanitize|tsan|coverage] [V=1] [WERROR=1] TARGET"
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(filter-out %.d,$(MAKEFILE_LIST)) | expand -t 18
 
-.PHONY: print-packages all lib run bench bench-device bench-peers bench-large table1 plots tests test check check-arm check-fresh layers format deps install uninstall clean help
+.PHONY: print-packages all lib run bench bench-device bench-peers bench-rust bench-large table1 plots tests test check check-arm check-fresh layers format deps install uninstall clean help
 
 -include $(shell find $(B) build/fuzz -name '*.d' 2>/dev/null)
