@@ -18,7 +18,8 @@ reference: ## pages of the headers by doxygen: build/reference/html
 gallery: all ## pictures, heat maps, films and a tree viewer as a static site: build/gallery/index.html
 	$(Q)sh docs/gallery/make.sh $(B) build/gallery
 
-readme-figures: ## take the figures of README.md anew from docs/results
-	$(Q)sh docs/figures.sh README.md >build/README.md && cp build/README.md README.md
+readme-figures: ## take the figures of README.md, and of Rust's, anew from docs/results
+	$(Q)for page in README.md bindings/rust/README.md; do \
+	    sh docs/figures.sh $$page >build/README.md && cp build/README.md $$page || exit 1; done
 
 .PHONY: drawings reference gallery readme-figures

@@ -1,8 +1,8 @@
 #!/bin/sh
 # docs.sh: every block of C in README.md, CONTRIBUTING.md and docs/ compiles without a warning, and runs if it is
-# a program; links lead somewhere; figures of README.md are those of docs/results; drawings are what `make drawings`
-# draws; doxygen has nothing to say; help fits a screen. Prints `ok docs-NAME`, `FAILED docs-NAME: why` or
-# `skipped docs-NAME: why` for each.
+# a program; links lead somewhere; figures of README.md and of Rust's are those of docs/results; drawings are what
+# `make drawings` draws; doxygen has nothing to say; help fits a screen. Prints `ok docs-NAME`, `FAILED docs-NAME: why`
+# or `skipped docs-NAME: why` for each.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 prefix=docs-
@@ -103,9 +103,11 @@ drawings_are_current() {
 }
 
 figures_are_measured() {
-    sh docs/figures.sh README.md >"$work/README.md" || return 1
     [ "$(grep -c '^<!-- figures: ' README.md)" -ge 4 ] || { echo "README.md shows too few figures"; return 1; }
-    diff README.md "$work/README.md" || { echo "README.md has other figures than docs/results: make readme-figures"; return 1; }
+    for page in README.md bindings/rust/README.md; do
+        sh docs/figures.sh $page >"$work/README.md" || return 1
+        diff $page "$work/README.md" || { echo "$page has other figures than docs/results: make readme-figures"; return 1; }
+    done
 }
 
 reference_is_clean() {
