@@ -313,6 +313,7 @@ endif
 bench-large: ## the same for a surface of 10^7 triangles, as docs/results/bench-large.txt: 8 GB, a quarter of an hour
 	$(Q)$(MAKE) --no-print-directory bench-peers RESULT=bench-large SCENE=terrain:10000000 KINDS=fast,balanced,fast+lazy \
 	    PEERS=embree-low,embree-medium,embree-refit FLAGS='--rounds 3 --seconds 0'
+
 bench-rust: all ## builds and rays beside those of other Rust crates, as docs/results/bench-rust.txt (MESH=path)
 	@mkdir -p $(OUT)
 	$(Q)sh bindings/rust/peers/bench.sh $(B) $(OUT) $(MESH)
