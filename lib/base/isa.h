@@ -16,7 +16,7 @@ HT_INLINE ht_isa ht_isa_here(void) {
     const bool eight = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     if (!eight) return HT_PORTABLE;
     const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                      __builtin_cpu_supports("avx512dq");
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
     return wide ? HT_AVX512 : HT_AVX2;
 }
 

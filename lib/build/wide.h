@@ -7,6 +7,7 @@
  *     wide_cost.c     errands by cost, joined into a tree;  wide_errand.c: one of them
  *     wide_order.c    errands by Morton order, at once or lazily;  wide_morton.c: one of them
  *     wide_nodes.c    nodes and leaves as walks read them;  x86/leaf_avx2.c: leaves by AVX2
+ *     x86/            the scan, errands by Morton order and leaves by cost by AVX-512
  *     wide_compact.c  the finished tree in less memory
  */
 #ifndef HT_WIDE_H
@@ -48,6 +49,21 @@ HT_INLINE uint32_t ht_wide_grid_cell(const ht_wide_grid *grid, ht_f4 lo, ht_f4 h
 
 /* The most prims of a cell, unless it is the only one. */
 #define HT_WIDE_CELL_PRIMS 384u
+
+/* What the loop over triangles works with: a copy, which no store through a pointer can change. */
+typedef struct ht_wide_scanner {
+    ht_source source;
+    ht_wide_grid grid;
+    uint32_t *cell_of, *next; /* by prim; by cell: how many */
+    ht_box4 *boxes;           /* by cell */
+} ht_wide_scanner;
+
+enum { HT_WIDE_AT_ONCE = 16 };
+
+/* x86/scan_avx512.c: triangles from i on, all vertices in range, up to where they are to be read in
+ * another way; returns where that is, and adds to those without area. */
+uint32_t ht_wide_scan_avx512(const ht_wide_scanner *given, uint32_t i, uint32_t end,
+                             uint64_t *degenerate);
 
 /* ---- Nodes ---------------------------------------------------------------------------------- */
 
@@ -99,6 +115,9 @@ HT_INLINE void ht_wide_set_planes(ht_wide_node *node, const ht_box4 boxes[HT_LAN
 /* wide_nodes.c: a node over runs, its children still to come: run i belongs into lane[i]. */
 void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
                        const ht_box4 *box, uint32_t lane[HT_LANES]);
+/* The same with child i in lane i. */
+void ht_wide_fill_in_order(ht_wide_node *node, const ht_box4 *parts, const uint32_t *child,
+                           uint32_t count);
 htree_status ht_wide_write_node(ht_wide_part *part, const ht_wide_run *runs, uint32_t count,
                                 const ht_box4 *box, uint32_t lane[HT_LANES], uint32_t *slot);
 
@@ -122,6 +141,11 @@ ht_box4 ht_wide_fill_leaf(ht_isa isa, const ht_source *source, ht_wide_leaf *lea
  * if they are not to be read this way. */
 bool ht_wide_fill_avx2(const ht_source *source, uint32_t triangles, ht_wide_leaf *leaf,
                        ht_box4 *box);
+
+/* x86/leaves_avx512.c: the first of some leaves over order[0 .. end); returns how many, which ends
+ * where one is to be written in another way. */
+uint32_t ht_wide_write_avx512(const ht_source *from, const uint32_t *order, uint32_t end,
+                              const ht_wide_leaf_run *runs, uint32_t count, ht_wide_leaf *leaves);
 
 /* ---- Errands -------------------------------------------------------------------------------- */
 
@@ -190,6 +214,11 @@ uint32_t ht_wide_morton_leaves(uint32_t prims);
 uint32_t ht_wide_morton_stack(uint32_t prims);
 void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32_t *order,
                         const ht_wide_errand *errand);
+
+/* x86/morton_avx512.c: the same of triangles alone; false, and nothing done, if they are not to be
+ * read this way. */
+bool ht_wide_run_morton_avx512(const htree *tree, const ht_source *source, const uint32_t *order,
+                               const ht_wide_errand *errand);
 
 /* wide_compact.c: takes the place of the tree's nodes and leaves. */
 htree_status ht_wide_compact(const ht_builder *builder);

@@ -113,22 +113,14 @@ static void shape_grid(scan *s) {
 
 /* ---- Every prim ----------------------------------------------------------------------------- */
 
-/* What the loop over a chunk works with: a copy, which no store through a pointer can change. */
-typedef struct scanner {
-    ht_source source;
-    ht_wide_grid grid;
-    uint32_t *cell_of, *next;
-    ht_box4 *boxes;
-} scanner;
-
-HT_INLINE void add_prim(const scanner *s, uint32_t i, const ht_box4 *box) {
+HT_INLINE void add_prim(const ht_wide_scanner *s, uint32_t i, const ht_box4 *box) {
     const uint32_t cell = ht_wide_grid_cell(&s->grid, box->lo, box->hi);
     s->cell_of[i] = cell;
     ++s->next[cell];
     ht_box4_add(&s->boxes[cell], box->lo, box->hi);
 }
 
-HT_INLINE ht_verdict scan_triangle(const scanner *s, uint32_t i, bool in_range) {
+HT_INLINE ht_verdict scan_triangle(const ht_wide_scanner *s, uint32_t i, bool in_range) {
     if (HT_UNLIKELY(!ht_source_has_corners(&s->source, i))) return HT_NO_VERTEX;
     const ht_corners corners = ht_source_corners(&s->source, i);
     const ht_verdict verdict =
@@ -140,9 +132,9 @@ HT_INLINE ht_verdict scan_triangle(const scanner *s, uint32_t i, bool in_range) 
 }
 
 /* Up to the first triangle that cannot be hit, or the end. */
-HT_INLINE uint32_t scan_some(const scanner *given, uint32_t i, uint32_t end, bool in_range,
+HT_INLINE uint32_t scan_some(const ht_wide_scanner *given, uint32_t i, uint32_t end, bool in_range,
                              ht_verdict *verdict) {
-    const scanner s = *given;
+    const ht_wide_scanner s = *given;
     for (*verdict = HT_HITTABLE; i < end; ++i) {
         *verdict = scan_triangle(&s, i, in_range);
         if (HT_UNLIKELY(*verdict != HT_HITTABLE)) break;
@@ -150,7 +142,7 @@ HT_INLINE uint32_t scan_some(const scanner *given, uint32_t i, uint32_t end, boo
     return i;
 }
 
-static ht_verdict scan_object(const scanner *s, uint32_t i) {
+static ht_verdict scan_object(const ht_wide_scanner *s, uint32_t i) {
     const htree_box *object = &s->source.boxes[i - s->source.triangle_count];
     if (!ht_box_is_valid(object)) return HT_INVALID;
     const ht_box4 box = ht_box4_of(object);
@@ -169,14 +161,28 @@ static bool skip(const scan *s, chunk *c, uint32_t i, ht_verdict why) {
     return false;
 }
 
-static bool scan_triangles(const scan *s, chunk *c, const scanner *local) {
+/* Scans what can be scanned many at a time; returns up to where the rest goes one by one. */
+static uint32_t scan_many(const scan *s, chunk *c, const ht_wide_scanner *local, uint32_t *i,
+                          uint32_t end) {
+#ifdef HT_X86
+    if (s->builder->tree->isa == HT_AVX512 && s->in_range) {
+        *i = ht_wide_scan_avx512(local, *i, end, &c->degenerate);
+        return end - *i < HT_WIDE_AT_ONCE ? end : *i + HT_WIDE_AT_ONCE;
+    }
+#endif
+    (void)s, (void)c, (void)local, (void)i;
+    return end;
+}
+
+static bool scan_triangles(const scan *s, chunk *c, const ht_wide_scanner *local) {
     const uint32_t triangles = local->source.triangle_count;
     const uint32_t end = c->end < triangles ? c->end : triangles;
-    for (uint32_t i = c->first; i < end; ++i) {
+    for (uint32_t i = c->first; i < end;) {
         ht_verdict verdict;
-        i = s->in_range ? scan_some(local, i, end, true, &verdict)
-                        : scan_some(local, i, end, false, &verdict);
-        if (verdict != HT_HITTABLE && !skip(s, c, i, verdict)) return false;
+        const uint32_t stop = scan_many(s, c, local, &i, end);
+        i = s->in_range ? scan_some(local, i, stop, true, &verdict)
+                        : scan_some(local, i, stop, false, &verdict);
+        if (verdict != HT_HITTABLE && !skip(s, c, i++, verdict)) return false;
     }
     return true;
 }
@@ -184,7 +190,7 @@ static bool scan_triangles(const scan *s, chunk *c, const scanner *local) {
 static void scan_chunk(void *data, uint32_t index) {
     scan *s = (scan *)data;
     chunk *c = &s->part[index];
-    const scanner local = {*s->source, s->grid, s->cells->leaf_order, c->next, c->boxes};
+    const ht_wide_scanner local = {*s->source, s->grid, s->cells->leaf_order, c->next, c->boxes};
     const uint32_t triangles = local.source.triangle_count;
     memset(c->next, 0, s->grid.total * sizeof *c->next);
     for (uint32_t cell = 0; cell < s->grid.total; ++cell) c->boxes[cell] = ht_box4_empty();
