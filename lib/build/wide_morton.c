@@ -131,21 +131,21 @@ static uint32_t add_leaf(building *b, uint32_t start, uint32_t count, ht_box4 *b
     return HT_WIDE_LEAF | b->next_leaf++;
 }
 
+/* Morton order is an order of octants, and so is that of the lanes. */
 static uint32_t add_node(building *b, uint32_t start, uint32_t count, ht_box4 *box) {
     const uint32_t share = share_of(count), slot = b->next_node++;
-    ht_wide_run runs[HT_LANES];
-    uint32_t lane[HT_LANES], child[HT_LANES], children = 0, done = 0;
+    ht_box4 parts[HT_LANES];
+    uint32_t child[HT_LANES], children = 0, done = 0;
     *box = ht_box4_empty();
     do {
         const uint32_t here = count - done < share ? count - done : share;
-        ht_box4 *part = &runs[children].box;
+        ht_box4 *part = &parts[children];
         child[children++] = here <= HT_LANES ? add_leaf(b, start + done, here, part)
                                              : add_node(b, start + done, here, part);
         ht_box4_add(box, part->lo, part->hi);
         done += here;
     } while (done < count);
-    ht_wide_fill_node(&b->nodes[slot], runs, children, box, lane);
-    for (uint32_t i = 0; i < children; ++i) b->nodes[slot].child[lane[i]] = child[i];
+    ht_wide_fill_in_order(&b->nodes[slot], parts, child, children);
     return slot;
 }
 
@@ -153,6 +153,9 @@ void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32
                         const ht_wide_errand *errand) {
     building b;
     ht_box4 box;
+#ifdef HT_X86
+    if (tree->isa == HT_AVX512 && ht_wide_run_morton_avx512(tree, source, order, errand)) return;
+#endif
     b.source = source;
     b.isa = tree->isa;
     b.nodes = (ht_wide_node *)tree->nodes;

@@ -137,6 +137,17 @@ static void assign_lanes(const ht_wide_run *runs, uint32_t count, const ht_box4 
     }
 }
 
+void ht_wide_fill_in_order(ht_wide_node *node, const ht_box4 *parts, const uint32_t *child,
+                           uint32_t count) {
+    ht_box4 boxes[HT_LANES];
+    for (uint32_t i = 0; i < HT_LANES; ++i) {
+        boxes[i] = i < count ? parts[i] : ht_box4_empty();
+        node->child[i] = i < count ? child[i] : HT_WIDE_NONE;
+        node->unused[i] = 0;
+    }
+    ht_wide_set_planes(node, boxes);
+}
+
 void ht_wide_fill_node(ht_wide_node *node, const ht_wide_run *runs, uint32_t count,
                        const ht_box4 *box, uint32_t lane[HT_LANES]) {
     ht_box4 boxes[HT_LANES];
