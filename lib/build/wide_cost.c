@@ -95,6 +95,29 @@ static void copy_nodes(const htree *tree, const ht_wide_part *part, uint32_t nod
     }
 }
 
+/* Writes what can be written two at a time; returns how many leaves that are. */
+static uint32_t write_many(const ht_wide_build *build, const ht_wide_leaf_run *runs, uint32_t count,
+                           ht_wide_leaf *leaves) {
+    const htree *tree = build->builder->tree;
+#ifdef HT_X86
+    if (tree->isa == HT_AVX512)
+        return ht_wide_write_avx512(&build->source, build->cells.leaf_order, tree->prim_count, runs,
+                                    count, leaves);
+#endif
+    (void)tree, (void)runs, (void)count, (void)leaves;
+    return 0;
+}
+
+static void write_leaves(const ht_wide_build *build, const ht_wide_leaf_run *runs, uint32_t count,
+                         ht_wide_leaf *leaves) {
+    for (uint32_t i = 0; i < count; ++i) {
+        i += write_many(build, runs + i, count - i, leaves + i);
+        if (i < count)
+            ht_wide_write_leaf(build->builder->tree->isa, &build->source,
+                               build->cells.leaf_order + runs[i].first, runs[i].count, &leaves[i]);
+    }
+}
+
 static void finish_group(void *data, uint32_t index) {
     const joint *j = (const joint *)data;
     const group *g = &j->groups[index];
@@ -102,10 +125,7 @@ static void finish_group(void *data, uint32_t index) {
     const htree *tree = build->builder->tree;
     const ht_wide_leaf_run *runs = (const ht_wide_leaf_run *)g->part.leaves.items;
     copy_nodes(tree, &g->part, g->node_base, g->leaf_base);
-    for (uint64_t i = 0; i < g->part.leaves.count; ++i) {
-        ht_wide_write_leaf(tree->isa, &build->source, build->cells.leaf_order + runs[i].first,
-                           runs[i].count, &tree->leaves[g->leaf_base + i]);
-    }
+    write_leaves(build, runs, (uint32_t)g->part.leaves.count, &tree->leaves[g->leaf_base]);
     for (uint32_t i = g->first; i < g->end; ++i) {
         const ht_wide_errand *e = ht_wide_errand_at(build, i);
         const uint32_t base = e->child & HT_WIDE_LEAF ? g->leaf_base : g->node_base;
