@@ -56,6 +56,16 @@ static htree_status place_errands(ht_wide_build *build) {
 
 /* ---- At once -------------------------------------------------------------------------------- */
 
+/* Inlined for sure: gcc drops calls of functions that do nothing but prefetch. */
+HT_INLINE void prefetch_errand(const ht_wide_build *build, const ht_wide_errand *e) {
+    for (uint32_t i = 0; i < e->cells.count; ++i) {
+        const ht_prim *cell = &e->cells.items[i];
+        const uint32_t *ids = build->cells.order + ht_cell_first(cell);
+        const uint32_t count = ht_cell_prims(cell);
+        for (uint32_t k = 0; k < count; ++k) ht_source_prefetch(&build->source, ids[k]);
+    }
+}
+
 static void run_group(void *data, uint32_t index) {
     const ht_wide_build *build = (const ht_wide_build *)data;
     const htree *tree = build->builder->tree;
@@ -64,6 +74,7 @@ static void run_group(void *data, uint32_t index) {
     uint64_t prims = 0;
     for (uint32_t i = (uint32_t)(count * index / GROUPS); i < end; ++i) {
         const ht_wide_errand *e = ht_wide_errand_at(build, i);
+        if (i + 1 < end) prefetch_errand(build, e + 1);
         ht_wide_run_morton(tree, &build->source, build->cells.order, e);
         ht_wide_set_parent(tree, e, e->child);
         prims += e->cells.prims;
