@@ -82,20 +82,44 @@ static void *reuse(ht_recycler *r, uint64_t bytes) {
     return best ? best->block : NULL;
 }
 
+/* The smallest idle block that is smaller than so many bytes; r->rows if there is none. */
+static uint32_t find_smaller(const ht_recycler *r, uint64_t bytes) {
+    uint32_t best = r->rows;
+    for (uint32_t i = 0; i < r->rows; ++i) {
+        const kept_block *row = &r->row[i];
+        if (row->in_use || row->bytes >= (best < r->rows ? r->row[best].bytes : bytes)) continue;
+        best = i;
+    }
+    return best;
+}
+
+/* Where a new block goes: a free row, or that of a smaller block, which takes less time to get again;
+ * r->rows if there is none. */
+static uint32_t make_row(ht_recycler *r, uint64_t bytes) {
+    const uint32_t free_row = find_row(r, NULL);
+    if (free_row < r->rows) return free_row;
+    return r->rows < KEPT_BLOCKS ? r->rows++ : find_smaller(r, bytes);
+}
+
 /* False if there is no room to keep the block. */
-static bool keep(ht_recycler *r, void *block, uint64_t bytes) {
+static bool keep(ht_memory *memory, void *block, uint64_t bytes) {
+    ht_recycler *r = memory->recycler;
+    kept_block given_up = {NULL, 0, false, false};
     lock(r);
     uint32_t i = find_row(r, block);
     if (i < r->rows) {
         r->row[i].in_use = false; /* its size stays: it may have been used in part */
     } else {
         const kept_block row = {block, bytes, false, true};
-        i = find_row(r, NULL);
-        if (i == r->rows && i < KEPT_BLOCKS) ++r->rows;
-        if (i < r->rows) r->row[i] = row;
+        i = make_row(r, bytes);
+        if (i < r->rows) {
+            given_up = r->row[i];
+            r->row[i] = row;
+        }
     }
     const bool kept = i < r->rows;
     unlock(r);
+    if (given_up.block) give_back(memory, given_up.block, given_up.bytes);
     return kept;
 }
 
@@ -142,6 +166,6 @@ void *ht_allocate(ht_memory *memory, uint64_t bytes) {
 void ht_release(ht_memory *memory, void *block, uint64_t bytes) {
     if (!block) return;
     if (bytes == 0) bytes = HT_ALIGNMENT;
-    if (memory->recycler && bytes >= LEAST_KEPT && keep(memory->recycler, block, bytes)) return;
+    if (memory->recycler && bytes >= LEAST_KEPT && keep(memory, block, bytes)) return;
     give_back(memory, block, bytes);
 }
