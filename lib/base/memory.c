@@ -1,11 +1,30 @@
+#ifdef __linux__
+#define _DEFAULT_SOURCE 1 /* for madvise */
+#endif
 #include "memory.h"
 
 #include <stdlib.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
+enum {
+    LARGE_PAGE = 1 << 21,  /* bytes */
+    LEAST_PAGED = 1 << 24, /* of a block that is worth the rest of its last large page */
+    LEAST_KEPT = 1 << 14   /* smaller blocks are cheap */
+};
+
+/* A large block by large pages, where the system has them: to get its pages one by one takes as long
+ * as to fill them. */
 static void *allocate_from_libc(uint64_t bytes) {
+    const bool large = bytes >= LEAST_PAGED;
     void *block = NULL;
     if (bytes > SIZE_MAX) return NULL;
-    return posix_memalign(&block, HT_ALIGNMENT, (size_t)bytes) == 0 ? block : NULL;
+    if (posix_memalign(&block, large ? LARGE_PAGE : HT_ALIGNMENT, (size_t)bytes) != 0) return NULL;
+#ifdef MADV_HUGEPAGE
+    if (large) (void)madvise(block, (size_t)bytes, MADV_HUGEPAGE);
+#endif
+    return block;
 }
 
 static void *allocate_fresh(ht_memory *memory, uint64_t bytes) {
@@ -35,10 +54,7 @@ static void give_back(ht_memory *memory, void *block, uint64_t bytes) {
 
 /* ---- Recycling ------------------------------------------------------------------------------ */
 
-enum {
-    KEPT_BLOCKS = 320,   /* 64 parts of a tree keep four each */
-    LEAST_KEPT = 1 << 14 /* bytes: smaller blocks are cheap */
-};
+enum { KEPT_BLOCKS = 320 /* 64 parts of a tree keep four each */ };
 
 typedef struct kept_block {
     void *block; /* NULL: the row is free */
