@@ -17,13 +17,6 @@ typedef struct patient {
     uint64_t found, harmless, wrong;
 } patient;
 
-static htree_view view_of(const htree *tree) {
-    htree_view view;
-    view.size = sizeof view;
-    assert_int_equal(htree_get_view(tree, &view), HTREE_OK);
-    return view;
-}
-
 static void patient_begin(patient *p, const char *name, htree_kind kind) {
     htree_options options = options_of(kind);
     memset(p, 0, sizeof *p);

@@ -1,5 +1,5 @@
-/* test_isa.c: every instruction set gives the same hits, bit for bit: each path is forced, where the
- * machine has it. White-box: a tree's choice is written to. */
+/* test_isa.c: every instruction set gives the same hits and builds the same trees, bit for bit: each path
+ * is forced, where the machine has it. White-box: a tree's choice is written to. */
 #include "oracle.h"
 #include "rays.h"
 
@@ -82,7 +82,59 @@ static void every_path_equals_the_oracle(void **state) {
     assert_int_equal(differences_total, 0);
 }
 
+/* ---- Builds --------------------------------------------------------------------------------- */
+
+/* Every ninth triangle loses its area: a corner is there twice, or all are on a line; or nearly so. */
+static void flatten_some(shape *s) {
+    static const float on_line[3][3] = {{0, 0, 0}, {1, 2, 3}, {2, 4, 6}};
+    for (uint64_t i = 4; i < s->triangle_count; i += 9) {
+        uint32_t *const corners = s->indices + 3 * i;
+        if (i % 27 == 4) {
+            corners[1] = corners[0];
+            continue;
+        }
+        for (uint32_t k = 0; k < 3; ++k)
+            memcpy(s->positions + 3 * (uint64_t)corners[k], on_line[k], sizeof on_line[k]);
+        if (i % 27 == 22) s->positions[3 * (uint64_t)corners[2]] = 2.0000002f;
+    }
+}
+
+static uint64_t trees_total;
+
+static void compare_builds(const htree_mesh *mesh, htree_kind effort) {
+    htree_options options;
+    htree_options_init(&options, sizeof options, effort);
+    options.threads = 2;
+    htree *const tree = tree_of(mesh, &options), *const other = tree_of(mesh, &options);
+    const ht_isa best = tree->isa;
+    for (uint32_t i = 0; i < COUNT_OF(paths) && paths[i].isa <= best; ++i, ++trees_total) {
+        other->isa = paths[i].isa;
+        assert_int_equal(htree_update(other, mesh, HTREE_REBUILD, NULL), HTREE_OK);
+        assert_int_equal(other->isa, paths[i].isa);
+        assert_same_trees(tree, other);
+    }
+    htree_free(other);
+    htree_free(tree);
+}
+
+static void every_path_builds_the_same_tree(void **state) {
+    (void)state;
+    for (const char *const *name = shape_names(); *name != NULL; ++name) {
+        for (uint64_t triangles = 30; triangles <= 30000; triangles *= 10) {
+            shape s = shape_of(*name, triangles, 3);
+            const htree_mesh mesh = mesh_of(&s);
+            compare_builds(&mesh, HTREE_FAST);
+            flatten_some(&s);
+            compare_builds(&mesh, HTREE_FAST);
+            compare_builds(&mesh, HTREE_BALANCED);
+            shape_free(&s);
+        }
+    }
+    say("%llu trees", (unsigned long long)trees_total);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_path_equals_the_oracle)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_path_equals_the_oracle),
+                                       cmocka_unit_test(every_path_builds_the_same_tree)};
     return cmocka_run_group_tests_name("isa", tests, NULL, NULL);
 }

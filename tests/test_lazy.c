@@ -8,13 +8,6 @@
 
 enum { TRIANGLES = 20000 };
 
-static htree_view view_of(const htree *tree) {
-    htree_view view;
-    view.size = sizeof view;
-    assert_int_equal(htree_get_view(tree, &view), HTREE_OK);
-    return view;
-}
-
 static htree_options lazy_options(uint32_t flags) {
     htree_options options = options_of(HTREE_WIDE);
     options.flags = flags;
@@ -24,15 +17,6 @@ static htree_options lazy_options(uint32_t flags) {
 static htree *lazy_tree(const htree_mesh *mesh) {
     const htree_options options = lazy_options(HTREE_LAZY);
     return tree_of(mesh, &options);
-}
-
-static void assert_same_trees(const htree *a, const htree *b) {
-    const htree_view va = view_of(a), vb = view_of(b);
-    assert_int_equal(va.node_bytes, vb.node_bytes);
-    assert_int_equal(va.leaf_bytes, vb.leaf_bytes);
-    assert_int_equal(va.stack, vb.stack);
-    if (va.nodes) assert_memory_equal(va.nodes, vb.nodes, (size_t)va.node_bytes);
-    if (va.leaves) assert_memory_equal(va.leaves, vb.leaves, (size_t)va.leaf_bytes);
 }
 
 /* ---- Hits ----------------------------------------------------------------------------------- */

@@ -8,13 +8,6 @@
 
 enum { TRIANGLES = 6000, RAYS = 600 };
 
-static htree_view view_of(const htree *tree) {
-    htree_view view;
-    view.size = sizeof view;
-    assert_int_equal(htree_get_view(tree, &view), HTREE_OK);
-    return view;
-}
-
 /* Bends the mesh, more from step to step. */
 static void bend(shape *s, float amount) {
     for (uint64_t i = 0; i < s->vertex_count; ++i) {

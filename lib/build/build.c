@@ -143,6 +143,7 @@ static htree_status rebuild(htree *tree, const htree_mesh *mesh) {
     htree next;
     if (!ht_recycler_begin(&tree->memory)) return HTREE_ERROR_MEMORY;
     tree_begin(&next, tree->memory, mesh, &options);
+    next.isa = tree->isa;
     const htree_status status = build_tree(&next, mesh, &options, find_builder(options.kind));
     if (status != HTREE_OK) {
         ht_tree_release(&next);

@@ -164,3 +164,19 @@ uint64_t batch_differs(const htree *tree, const htree_ray *rays, const htree_hit
     free(hits);
     return differences;
 }
+
+htree_view view_of(const htree *tree) {
+    htree_view view;
+    view.size = sizeof view;
+    assert_int_equal(htree_get_view(tree, &view), HTREE_OK);
+    return view;
+}
+
+void assert_same_trees(const htree *a, const htree *b) {
+    const htree_view va = view_of(a), vb = view_of(b);
+    assert_int_equal(va.node_bytes, vb.node_bytes);
+    assert_int_equal(va.leaf_bytes, vb.leaf_bytes);
+    assert_int_equal(va.stack, vb.stack);
+    if (va.nodes) assert_memory_equal(va.nodes, vb.nodes, (size_t)va.node_bytes);
+    if (va.leaves) assert_memory_equal(va.leaves, vb.leaves, (size_t)va.leaf_bytes);
+}

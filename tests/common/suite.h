@@ -90,6 +90,11 @@ htree *tree_of_kind(const htree_mesh *mesh, htree_kind kind); /* default options
 
 htree_stats stats_of(const htree *tree);
 
+htree_view view_of(const htree *tree);
+
+/* The same bytes. */
+void assert_same_trees(const htree *a, const htree *b);
+
 /* Number of hits that are not the same 16 bytes. */
 uint64_t hits_differ(const htree_hit *a, const htree_hit *b, uint64_t count);
 
