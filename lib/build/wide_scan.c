@@ -12,7 +12,7 @@ enum {
     MOST_PIECES = 16,
     PRIMS_A_CHUNK = 4096,
     PRIMS_A_CELL = 8, /* one of a few cells is occupied where prims form surfaces */
-    MOST_CELLS = 1 << 18,
+    MOST_CELLS = 1 << 20,
     CELLS_PAY = 2048 /* prims from which on a grid is worth its while */
 };
 
