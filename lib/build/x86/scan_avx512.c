@@ -43,15 +43,23 @@ HT_TARGET HT_INLINE __mmask16 doubt_area(const ht_rows v[3]) {
     return (__mmask16)(0xffff - 15 * sure);
 }
 
-/* Those lanes for which the doubt is true. */
+/* All lanes of triangles two of whose corners are the same. */
+HT_TARGET HT_INLINE uint32_t same_corners(ht_rows a, ht_rows b) {
+    const uint32_t equal = _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
+    return 15 * (((equal & 0x7777) + 0x1111) >> 3 & 0x1111);
+}
+
+/* Those lanes for which the doubt is true. Most triangles without area have a corner twice. */
 HT_TARGET static __mmask16 find_degenerate(const ht_rows v[3], __mmask16 doubt) {
     HT_ALIGNED(64) float row[3][ROWS][4];
-    uint32_t found = 0;
+    uint32_t found = same_corners(v[0], v[1]) | same_corners(v[1], v[2]) | same_corners(v[2], v[0]);
+    const uint32_t left = doubt & ~found;
+    if (left == 0) return (__mmask16)found;
     for (uint32_t k = 0; k < 3; ++k) _mm512_store_ps(row[k][0], v[k]);
     for (uint32_t i = 0; i < ROWS; ++i) {
         const ht_corners corners = {
             {_mm_load_ps(row[0][i]), _mm_load_ps(row[1][i]), _mm_load_ps(row[2][i])}};
-        if ((doubt >> 4 * i & 1) && ht_corners_are_degenerate(corners)) found |= 15u << 4 * i;
+        if ((left >> 4 * i & 1) && ht_corners_are_degenerate(corners)) found |= 15u << 4 * i;
     }
     return (__mmask16)found;
 }
