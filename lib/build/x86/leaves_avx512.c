@@ -2,7 +2,7 @@
 #include "base/isa.h"
 
 #ifdef HT_X86
-#include "rows_avx512.h"
+#include "corners_avx512.h"
 
 /* How far ahead to ask for the memory of leaves, and for the indices of prims. */
 enum { LEAVES_AHEAD = 8, PRIMS_AHEAD = 32 };

@@ -4,7 +4,7 @@
 #include "base/isa.h"
 
 #ifdef HT_X86
-#include "rows_avx512.h"
+#include "corners_avx512.h"
 
 enum {
     WIDTH = 16,

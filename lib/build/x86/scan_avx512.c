@@ -8,6 +8,10 @@
 
 enum { WIDTH = HT_WIDE_AT_ONCE, ROWS = 4 /* triangles of a vector */, BLOCK = 128 };
 
+HT_TARGET HT_INLINE __m512i lanes16(void) {
+    return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
 HT_TARGET HT_INLINE __m512 each(const float xyz[4]) {
     return _mm512_broadcast_f32x4(_mm_loadu_ps(xyz));
 }
@@ -22,7 +26,7 @@ HT_TARGET HT_INLINE bool find_corners(const ht_source *source, uint32_t i, uint3
         const uint64_t at = 3 * (uint64_t)i + k * WIDTH;
         const __m512i vertex = source->indices
                                    ? _mm512_loadu_si512(source->indices + at)
-                                   : _mm512_add_epi32(_mm512_set1_epi32((int)at), ht_lanes16());
+                                   : _mm512_add_epi32(_mm512_set1_epi32((int)at), lanes16());
         good &= _mm512_cmplt_epu32_mask(vertex, last);
         _mm512_storeu_si512(from + k * WIDTH, _mm512_mullo_epi32(vertex, stride));
     }
@@ -119,7 +123,7 @@ HT_TARGET HT_INLINE bool look(const ht_wide_scanner *s, uint32_t first, block *b
         _mm_storeu_si128((__m128i *)(void *)&b->cell[at + k],
                          _mm512_castsi512_si128(_mm512_maskz_compress_epi32(0x1111, cell)));
     }
-    const __m512i which = _mm512_add_epi32(_mm512_set1_epi32((int)at), ht_lanes16());
+    const __m512i which = _mm512_add_epi32(_mm512_set1_epi32((int)at), lanes16());
     _mm512_storeu_si512(&b->head[b->heads], _mm512_maskz_compress_epi32((__mmask16)heads, which));
     b->heads += (uint32_t)_mm_popcnt_u32(heads);
     b->count += WIDTH;
