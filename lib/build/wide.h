@@ -207,18 +207,21 @@ void ht_wide_gather(const ht_source *source, const uint32_t *order, const ht_wid
                     ht_prim *out);
 
 /* wide_order.c and wide_morton.c: nodes, leaves and stack entries that a subtree takes; and the
- * subtree of an errand of at most HT_WIDE_CELL_PRIMS, into its place. */
+ * subtree of an errand of at most HT_WIDE_CELL_PRIMS, into its place. `room` has
+ * ht_wide_morton_room() bytes, and is aligned as whatever the library allocates. */
 htree_status ht_wide_finish_by_order(ht_wide_build *build);
 uint32_t ht_wide_morton_nodes(uint32_t prims);
 uint32_t ht_wide_morton_leaves(uint32_t prims);
 uint32_t ht_wide_morton_stack(uint32_t prims);
+uint64_t ht_wide_morton_room(void);
 void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32_t *order,
-                        const ht_wide_errand *errand);
+                        const ht_wide_errand *errand, void *room);
 
 /* x86/morton_avx512.c: the same of triangles alone; false, and nothing done, if they are not to be
  * read this way. */
+uint64_t ht_wide_morton_avx512_room(void);
 bool ht_wide_run_morton_avx512(const htree *tree, const ht_source *source, const uint32_t *order,
-                               const ht_wide_errand *errand);
+                               const ht_wide_errand *errand, void *room);
 
 /* wide_compact.c: takes the place of the tree's nodes and leaves. */
 htree_status ht_wide_compact(const ht_builder *builder);

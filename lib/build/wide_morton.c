@@ -149,27 +149,36 @@ static uint32_t add_node(building *b, uint32_t start, uint32_t count, ht_box4 *b
     return slot;
 }
 
+uint64_t ht_wide_morton_room(void) {
+    uint64_t bytes = sizeof(building);
+#ifdef HT_X86
+    if (ht_wide_morton_avx512_room() > bytes) bytes = ht_wide_morton_avx512_room();
+#endif
+    return (bytes + HT_ALIGNMENT - 1) / HT_ALIGNMENT * HT_ALIGNMENT;
+}
+
 void ht_wide_run_morton(const htree *tree, const ht_source *source, const uint32_t *order,
-                        const ht_wide_errand *errand) {
-    building b;
+                        const ht_wide_errand *errand, void *room) {
+    building *b = (building *)room;
     ht_box4 box;
 #ifdef HT_X86
-    if (tree->isa == HT_AVX512 && ht_wide_run_morton_avx512(tree, source, order, errand)) return;
+    if (tree->isa == HT_AVX512 && ht_wide_run_morton_avx512(tree, source, order, errand, room))
+        return;
 #endif
-    b.source = source;
-    b.isa = tree->isa;
-    b.nodes = (ht_wide_node *)tree->nodes;
-    b.leaves = tree->leaves;
-    b.next_node = errand->node;
-    b.next_leaf = errand->leaf;
-    b.few = errand->cells.prims <= FEW && source->object_count == 0;
-    if (b.few)
-        gather(&b, order, &errand->cells, true);
+    b->source = source;
+    b->isa = tree->isa;
+    b->nodes = (ht_wide_node *)tree->nodes;
+    b->leaves = tree->leaves;
+    b->next_node = errand->node;
+    b->next_leaf = errand->leaf;
+    b->few = errand->cells.prims <= FEW && source->object_count == 0;
+    if (b->few)
+        gather(b, order, &errand->cells, true);
     else
-        gather(&b, order, &errand->cells, false);
-    sort_prims(&b);
+        gather(b, order, &errand->cells, false);
+    sort_prims(b);
     const uint32_t child =
-        b.count <= HT_LANES ? add_leaf(&b, 0, b.count, &box) : add_node(&b, 0, b.count, &box);
+        b->count <= HT_LANES ? add_leaf(b, 0, b->count, &box) : add_node(b, 0, b->count, &box);
     assert(child == errand->child);
     (void)child;
 }

@@ -11,15 +11,28 @@
 #include <sched.h>
 #endif
 
-enum { GROUPS = 256 };
+enum {
+    GROUPS = 256,
+    MOST_ROOMS = 16,
+    PRIMS_A_ROOM = 4096 /* of a lazy tree, whose rooms stay */
+};
 
 /* Instead of a root. */
 #define UNTOUCHED   HT_WIDE_NONE
 #define BEING_BUILT HT_WIDE_PENDING
 
+/* Where subtrees are made: each takes more than the stack of a thread that traces may have left. Who
+ * comes when all are taken waits for one. */
+typedef struct room_list {
+    char *memory;
+    uint64_t bytes;        /* of one */
+    uint32_t count, taken; /* taken: a bit for each */
+} room_list;
+
 /* What is left of a build in a lazy tree. */
 typedef struct lazy {
     ht_lazy hook;
+    room_list rooms;
     ht_source source; /* the caller's arrays, which must stay as they are */
     ht_array cells, errands;
     uint32_t *order;
@@ -54,6 +67,45 @@ static htree_status place_errands(ht_wide_build *build) {
     return HTREE_OK;
 }
 
+/* ---- Rooms ---------------------------------------------------------------------------------- */
+
+static void pause_thread(void) {
+#ifndef HTREE_NO_THREADS
+    sched_yield();
+#endif
+}
+
+static htree_status begin_rooms(room_list *r, ht_memory *memory, uint32_t count) {
+    r->bytes = ht_wide_morton_room();
+    r->count = count < 1 ? 1 : count < MOST_ROOMS ? count : MOST_ROOMS;
+    r->taken = 0;
+    r->memory = (char *)ht_allocate(memory, r->bytes * r->count);
+    return r->memory ? HTREE_OK : HTREE_ERROR_MEMORY;
+}
+
+static void end_rooms(room_list *r, ht_memory *memory) {
+    ht_release(memory, r->memory, r->bytes * r->count);
+}
+
+static uint32_t take_room(room_list *r) {
+    for (;; pause_thread()) {
+        const uint32_t taken = __atomic_load_n(&r->taken, __ATOMIC_RELAXED);
+        for (uint32_t i = 0; i < r->count; ++i) {
+            const uint32_t bit = 1u << i;
+            if (taken & bit) continue;
+            if (!(__atomic_fetch_or(&r->taken, bit, __ATOMIC_ACQUIRE) & bit)) return i;
+        }
+    }
+}
+
+static void leave_room(room_list *r, uint32_t i) {
+    __atomic_fetch_and(&r->taken, ~(1u << i), __ATOMIC_RELEASE);
+}
+
+static void *room_at(const room_list *r, uint32_t i) {
+    return r->memory + i * r->bytes;
+}
+
 /* ---- At once -------------------------------------------------------------------------------- */
 
 /* Inlined for sure: gcc drops calls of functions that do nothing but prefetch. */
@@ -66,37 +118,52 @@ HT_INLINE void prefetch_errand(const ht_wide_build *build, const ht_wide_errand 
     }
 }
 
+typedef struct running {
+    const ht_wide_build *build;
+    room_list rooms;
+} running;
+
 static void run_group(void *data, uint32_t index) {
-    const ht_wide_build *build = (const ht_wide_build *)data;
+    running *r = (running *)data;
+    const ht_wide_build *build = r->build;
     const htree *tree = build->builder->tree;
     const uint64_t count = build->top.errands.count;
     const uint32_t end = (uint32_t)(count * (index + 1) / GROUPS);
+    const uint32_t room = take_room(&r->rooms);
     uint64_t prims = 0;
     for (uint32_t i = (uint32_t)(count * index / GROUPS); i < end; ++i) {
         const ht_wide_errand *e = ht_wide_errand_at(build, i);
         if (i + 1 < end) prefetch_errand(build, e + 1);
-        ht_wide_run_morton(tree, &build->source, build->cells.order, e);
+        ht_wide_run_morton(tree, &build->source, build->cells.order, e, room_at(&r->rooms, room));
         ht_wide_set_parent(tree, e, e->child);
         prims += e->cells.prims;
     }
+    leave_room(&r->rooms, room);
     ht_progress_step(&build->builder->progress, prims);
+}
+
+static htree_status run_all(ht_wide_build *build) {
+    const ht_builder *builder = build->builder;
+    htree *tree = builder->tree;
+    running r;
+    r.build = build;
+    HT_TRY(begin_rooms(&r.rooms, &tree->memory, ht_thread_count(&tree->tasks, tree->threads)));
+    ht_builder_run(builder, GROUPS, run_group, &r);
+    end_rooms(&r.rooms, &tree->memory);
+    return builder->progress.cancelled ? HTREE_ERROR_CANCELLED : HTREE_OK;
 }
 
 /* ---- When a ray comes ----------------------------------------------------------------------- */
 
-static void pause_thread(void) {
-#ifndef HTREE_NO_THREADS
-    sched_yield();
-#endif
-}
-
 static uint32_t touch(const htree *tree, uint32_t errand) {
-    const lazy *l = lazy_of(tree);
+    lazy *l = lazy_of(tree);
     uint32_t *root = &l->roots[errand], seen = __atomic_load_n(root, __ATOMIC_ACQUIRE);
     if (seen == UNTOUCHED && __atomic_compare_exchange_n(root, &seen, BEING_BUILT, false,
                                                          __ATOMIC_ACQUIRE, __ATOMIC_ACQUIRE)) {
         const ht_wide_errand *e = (const ht_wide_errand *)ht_array_at(&l->errands, errand);
-        ht_wide_run_morton(tree, &l->source, l->order, e);
+        const uint32_t room = take_room(&l->rooms);
+        ht_wide_run_morton(tree, &l->source, l->order, e, room_at(&l->rooms, room));
+        leave_room(&l->rooms, room);
         __atomic_store_n(root, e->child, __ATOMIC_RELEASE);
         return e->child;
     }
@@ -110,6 +177,7 @@ static void end_lazy(htree *tree) {
     l->cells.memory = l->errands.memory = &tree->memory;
     ht_array_end(&l->errands);
     ht_array_end(&l->cells);
+    end_rooms(&l->rooms, &tree->memory);
     ht_release(&tree->memory, l->order, l->prims * sizeof *l->order);
     ht_release(&tree->memory, l, sizeof *l + (uint64_t)l->hook.subtrees * sizeof *l->roots);
     tree->lazy = NULL;
@@ -153,6 +221,10 @@ static htree_status become_lazy(ht_wide_build *build) {
     lazy *l = (lazy *)ht_allocate(&tree->memory, sizeof *l + (uint64_t)subtrees * sizeof *l->roots);
     if (!l) return HTREE_ERROR_MEMORY;
     memset(l, 0, sizeof *l);
+    if (begin_rooms(&l->rooms, &tree->memory, build->prims / PRIMS_A_ROOM) != HTREE_OK) {
+        ht_release(&tree->memory, l, sizeof *l + (uint64_t)subtrees * sizeof *l->roots);
+        return HTREE_ERROR_MEMORY;
+    }
     const ht_lazy hook = {subtrees, touch, prims_of, child_of, count_built, complete, end_lazy};
     l->hook = hook;
     l->source = build->source;
@@ -177,6 +249,5 @@ static htree_status become_lazy(ht_wide_build *build) {
 htree_status ht_wide_finish_by_order(ht_wide_build *build) {
     HT_TRY(place_errands(build));
     if (build->builder->options->flags & HTREE_LAZY) return become_lazy(build);
-    ht_builder_run(build->builder, GROUPS, run_group, build);
-    return build->builder->progress.cancelled ? HTREE_ERROR_CANCELLED : HTREE_OK;
+    return run_all(build);
 }

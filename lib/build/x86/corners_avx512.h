@@ -4,9 +4,10 @@
 
 #include "rows_avx512.h"
 
-/* With intent to write; which memory it is does not matter. */
-HT_TARGET HT_INLINE void ht_ask_for(const void *memory, uint32_t bytes) {
-    for (uint32_t at = 0; at < bytes; at += 64) __builtin_prefetch((const char *)memory + at, 1);
+/* With intent to write, of memory that begins so many bytes behind `from`; there need not be any. */
+HT_TARGET HT_INLINE void ht_ask_for(const void *from, uint64_t behind, uint32_t bytes) {
+    const uintptr_t first = (uintptr_t)from + (uintptr_t)behind;
+    for (uint32_t at = 0; at < bytes; at += 64) __builtin_prefetch((const void *)(first + at), 1);
 }
 
 /* Bytes from the first position to the corners of sixteen prims; false if one of them is the last

@@ -44,7 +44,7 @@ HT_TARGET uint32_t ht_wide_write_avx512(const ht_source *from, const uint32_t *o
     uint32_t i = 0;
     if (source.object_count > 0 || !ht_source_is_narrow(&source)) return 0;
     for (; i + 2 <= count && write_two(&source, order, runs + i, leaves + i); i += 2) {
-        ht_ask_for(leaves + i + LEAVES_AHEAD, 2 * sizeof *leaves);
+        ht_ask_for(leaves + i, LEAVES_AHEAD * sizeof *leaves, 2 * sizeof *leaves);
         for (uint32_t k = runs[i].first + PRIMS_AHEAD; k < runs[i].first + PRIMS_AHEAD + 16; ++k)
             if (k < end) ht_source_prefetch(&source, order[k]);
     }

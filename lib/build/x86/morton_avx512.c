@@ -195,8 +195,8 @@ HT_TARGET HT_INLINE void write_leaves(const building *b, uint32_t start, uint32_
                                       boxes *all, bool few) {
     ht_wide_leaf *leaf = &b->leaves[b->next_leaf + i];
     const bool two = (i + 4) * HT_LANES < count;
-    ht_ask_for(leaf + LEAVES_AHEAD, sizeof *leaf);
-    if (two) ht_ask_for(leaf + 4 + LEAVES_AHEAD, sizeof *leaf);
+    ht_ask_for(leaf, LEAVES_AHEAD * sizeof *leaf, sizeof *leaf);
+    if (two) ht_ask_for(leaf, (4 + LEAVES_AHEAD) * sizeof *leaf, sizeof *leaf);
     const __mmask16 there = two ? 0xffff : 0x00ff;
     __m512i which;
     const __mmask16 live = find_prims(b, start, count, i, &which);
@@ -228,7 +228,7 @@ HT_TARGET HT_INLINE void add_leaves(building *b, uint32_t start, uint32_t count,
     const __m256i first = _mm256_set1_epi32((int)(HT_WIDE_LEAF | b->next_leaf));
     const __mmask8 live = (__mmask8)_bzhi_u32(0xff, leaves);
     boxes all;
-    ht_ask_for(node + NODES_AHEAD, sizeof *node);
+    ht_ask_for(node, NODES_AHEAD * sizeof *node, sizeof *node);
     for (uint32_t i = 0; i < 4; ++i) {
         if (i < leaves) {
             write_leaves(b, start, count, i, &all, few);
@@ -278,25 +278,31 @@ HT_TARGET HT_NOINLINE static void add_two_levels(building *b) {
     ht_wide_fill_in_order(node, parts, child, children);
 }
 
+uint64_t ht_wide_morton_avx512_room(void) {
+    return sizeof(building);
+}
+
 HT_TARGET bool ht_wide_run_morton_avx512(const htree *tree, const ht_source *source,
-                                         const uint32_t *order, const ht_wide_errand *errand) {
-    building b;
+                                         const uint32_t *order, const ht_wide_errand *errand,
+                                         void *room) {
+    building *b = (building *)room;
     HT_ALIGNED(64) ht_wide_node of_one_leaf;
     __m512 lo[3], hi[3];
     if (source->object_count > 0 || !ht_source_is_narrow(source)) return false;
-    b.source = *source;
-    b.nodes = (ht_wide_node *)tree->nodes;
-    b.leaves = tree->leaves;
-    b.next_node = errand->node;
-    b.next_leaf = errand->leaf;
-    gather_ids(&b, order, &errand->cells);
-    if (!gather_corners(&b, lo, hi)) return false;
-    find_keys(&b, lo, hi);
-    if (b.count > FULL) {
-        add_two_levels(&b);
+    b->source = *source;
+    b->nodes = (ht_wide_node *)tree->nodes;
+    b->leaves = tree->leaves;
+    b->next_node = errand->node;
+    b->next_leaf = errand->leaf;
+    gather_ids(b, order, &errand->cells);
+    if (!gather_corners(b, lo, hi)) return false;
+    find_keys(b, lo, hi);
+    if (b->count > FULL) {
+        add_two_levels(b);
     } else {
-        sort_few(&b);
-        add_leaves(&b, 0, b.count, true, b.count > HT_LANES ? &b.nodes[b.next_node] : &of_one_leaf);
+        sort_few(b);
+        add_leaves(b, 0, b->count, true,
+                   b->count > HT_LANES ? &b->nodes[b->next_node] : &of_one_leaf);
     }
     return true;
 }

@@ -103,17 +103,19 @@ HT_TARGET HT_INLINE void answer_any(const ht_tile *tile, const place *at, const 
     }
 }
 
+enum { LONERS = 8 }; /* more would fill streams better, but take too much of a small stack */
+
 /* Groups whose rays walk as streams, together with those of other packets: a few would not fill them. */
 typedef struct loners {
-    place places[LANES];
+    place places[LONERS];
     uint32_t count;
 } loners;
 
 HT_NOINLINE static void walk_alone(const htree *tree, const ht_tile *tile, loners *s,
                                    ht_block_walk *walk) {
-    htree_ray rays[LANES * LANES];
-    htree_hit hits[LANES * LANES];
-    uint8_t occluded[LANES * LANES];
+    htree_ray rays[LONERS * LANES];
+    htree_hit hits[LONERS * LANES];
+    uint8_t occluded[LONERS * LANES];
     const uint64_t stride = stride_of(tile);
     uint64_t count = 0, from = 0;
     for (const place *at = s->places; at < s->places + s->count; ++at) {
@@ -214,7 +216,7 @@ HT_TARGET HT_INLINE void walk_tile(const htree *tree, const ht_tile *tile, ht_bl
         }
         for (uint32_t rest = s->scattered; rest; rest &= rest - 1) {
             scattered.places[scattered.count++] = s->places[__builtin_ctz(rest)];
-            if (scattered.count == LANES) walk_alone(tree, tile, &scattered, alone);
+            if (scattered.count == LONERS) walk_alone(tree, tile, &scattered, alone);
         }
     }
     if (scattered.count) walk_alone(tree, tile, &scattered, alone);
