@@ -32,9 +32,12 @@ pub fn take_turns(turns: &mut Turns, scene: &Scene) -> Result<()> {
         let build = |triangles: &mut Vec<Triangle>| {
             let bvh = build_cwbvh_from_tris(triangles, preset, &mut Duration::default());
             let ordered = bvh.primitive_indices.iter().map(|i| (&triangles[*i as usize]).into());
-            (ordered.collect(), bvh)
+            (ordered.collect::<Vec<RtTriangle>>(), bvh)
         };
-        let trace = |_: &_, (ordered, bvh): &_, rays: &[Ray], hits: &mut [Hit]| {
+        let trace = |_: &_,
+                     (ordered, bvh): &(Vec<RtTriangle>, CwBvh),
+                     rays: &[Ray],
+                     hits: &mut [Hit]| {
             rays.iter().zip(hits).for_each(|(ray, hit)| *hit = closest_of_obvhs(bvh, ordered, ray));
         };
         turns.take(&format!("obvhs {name}"), &mut triangles, build, trace)?;
@@ -49,7 +52,7 @@ fn to_obvhs(ray: &Ray) -> obvhs::ray::Ray {
     obvhs::ray::Ray::new(ray.org.into(), ray.dir.into(), ray.tmin, ray.tmax)
 }
 
-fn closest_of_obvhs(bvh: &CwBvh, ordered: &Vec<RtTriangle>, ray: &Ray) -> Hit {
+fn closest_of_obvhs(bvh: &CwBvh, ordered: &[RtTriangle], ray: &Ray) -> Hit {
     let mut found = RayHit::none();
     if !bvh.ray_traverse(to_obvhs(ray), &mut found, |ray, i| ordered[i].intersect(ray)) {
         return Hit::default();
