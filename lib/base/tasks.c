@@ -8,10 +8,13 @@
 #include <unistd.h>
 #endif
 
-static void loop_run(ht_loop *loop) {
-    for (;;) {
-        const uint32_t index = __atomic_fetch_add(&loop->next, 1, __ATOMIC_RELAXED);
-        if (index >= loop->count) return;
+/* The caller goes up from the first task and helpers go down from the last: what a core wrote in the
+ * loop before, or in the build before, it mostly meets again. */
+static void loop_run(ht_loop *loop, bool helps) {
+    while (__atomic_fetch_add(&loop->taken, 1, __ATOMIC_RELAXED) < loop->count) {
+        const uint32_t index =
+            helps ? loop->count - 1 - __atomic_fetch_add(&loop->back, 1, __ATOMIC_RELAXED)
+                  : __atomic_fetch_add(&loop->front, 1, __ATOMIC_RELAXED);
         loop->task(loop->data, index);
     }
 }
@@ -25,7 +28,7 @@ uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads) {
 }
 
 static void run_threaded(ht_team *team) {
-    loop_run(&team->loop);
+    loop_run(&team->loop, false);
 }
 
 static void begin_threads(ht_team *team) {
@@ -101,7 +104,7 @@ static void *help(void *argument) {
     ht_team *team = (ht_team *)argument;
     while (wait_at_door(team)) {
         if (!enter(team)) continue;
-        loop_run(&team->loop);
+        loop_run(&team->loop, true);
         leave(team);
     }
     return NULL;
@@ -139,7 +142,7 @@ static void close_door(ht_team *team) {
 static void run_threaded(ht_team *team) {
     set_door(team, OPEN);
     start_helpers(team);
-    loop_run(&team->loop);
+    loop_run(&team->loop, false);
     close_door(team);
 }
 
@@ -170,12 +173,12 @@ void ht_team_begin(ht_team *team, const htree_tasks *hook, uint32_t threads) {
 }
 
 void ht_team_run(ht_team *team, uint32_t count, ht_task *task, void *data) {
-    /* next wraps only if count + threads exceeds 2^32; callers cut work into far fewer tasks. */
-    const ht_loop loop = {task, data, count, 0};
+    /* taken wraps only if count + threads exceeds 2^32; callers cut work into far fewer tasks. */
+    const ht_loop loop = {task, data, count, 0, 0, 0};
     assert(count < UINT32_MAX / 2);
     team->loop = loop;
     if (count <= 1 || team->threads == 1) {
-        loop_run(&team->loop);
+        loop_run(&team->loop, false);
     } else if (team->hook->run) {
         team->hook->run(team->hook->user, count, task, data);
     } else {

@@ -15,7 +15,8 @@ typedef void ht_task(void *data, uint32_t index);
 typedef struct ht_loop {
     ht_task *task;
     void *data;
-    uint32_t count, next;
+    uint32_t count;
+    uint32_t taken, front, back; /* tasks that threads have come for, and from either end */
 } ht_loop;
 
 enum { HT_MOST_THREADS = 256 };

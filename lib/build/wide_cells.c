@@ -51,6 +51,7 @@ typedef struct crowd {
 /* Crowded cells in a row, refined by one thread. */
 typedef struct group {
     uint32_t first, end; /* of the list of crowded cells */
+    uint64_t work;       /* prims in them */
     ht_prim *prims;      /* of the cell at hand */
     uint32_t *next;      /* by cell: how many prims, then where the next one goes */
     ht_box4 *boxes;      /* by cell */
@@ -65,6 +66,7 @@ typedef struct refining {
     ht_wide_cells *cells;
     ht_array crowded; /* of ht_prim */
     group groups[GROUPS];
+    uint32_t order[GROUPS]; /* most work first: one cell may hold a third of all prims */
     uint32_t group_count;
 } refining;
 
@@ -182,7 +184,7 @@ static htree_status refine_cells(const refining *r, group *g) {
 /* Memory for the cells is taken here, and given back: what a thread has just used is in its cache. */
 static void refine_group(void *data, uint32_t index) {
     refining *r = (refining *)data;
-    group *g = &r->groups[index];
+    group *g = &r->groups[r->order[index]];
     uint32_t most = 0;
     for (uint32_t i = g->first; i < g->end; ++i) {
         const uint32_t prims = ht_cell_prims((const ht_prim *)ht_array_at(&r->crowded, i));
@@ -217,19 +219,28 @@ static htree_status take_crowded(refining *r, uint64_t *prims) {
     return HTREE_OK;
 }
 
+/* Puts the last group where its work comes. */
+static void order_last(refining *r) {
+    const uint32_t last = r->group_count - 1;
+    uint32_t i = last;
+    for (; i > 0 && r->groups[r->order[i - 1]].work < r->groups[last].work; --i)
+        r->order[i] = r->order[i - 1];
+    r->order[i] = last;
+}
+
 static htree_status group_crowded(refining *r, uint64_t prims) {
     const uint64_t share = prims / GROUPS + 1;
     for (uint32_t i = 0; i < r->crowded.count;) {
         group *g = &r->groups[r->group_count++];
         const bool last = r->group_count == GROUPS;
-        uint64_t taken = 0;
         g->first = i;
-        while (i < r->crowded.count && (last || taken < share))
-            taken += ht_cell_prims((const ht_prim *)ht_array_at(&r->crowded, i++));
+        while (i < r->crowded.count && (last || g->work < share))
+            g->work += ht_cell_prims((const ht_prim *)ht_array_at(&r->crowded, i++));
         g->end = i;
+        order_last(r);
         ht_array_begin(&g->todo, r->memory, sizeof(crowd));
         ht_array_begin(&g->fine, r->memory, sizeof(ht_prim));
-        HT_TRY(ht_array_reserve(&g->fine, taken / PRIMS_A_CELL + 16));
+        HT_TRY(ht_array_reserve(&g->fine, g->work / PRIMS_A_CELL + 16));
     }
     return HTREE_OK;
 }
