@@ -311,7 +311,7 @@ static void compare_tile(const htree *tree, const ht_tile_walks *walks, const pi
 
 /* Beams much wider than triangles: packets give up, and streams go on. */
 static void crowded_tiles_are_whole(void **state) {
-    shape s = shape_of("soup", scaled(30000), 1);
+    shape s = shape_of("soup", 30000, 1);
     const htree_mesh mesh = mesh_of(&s);
     const ray_target target = ray_target_of(&mesh);
     htree *const tree = tree_of_kind(&mesh, HTREE_WIDE);
