@@ -27,6 +27,7 @@ typedef struct totals {
     uint64_t oracle_rays, aimed_rays, trees, inputs, same_files, picture_rays;
     uint64_t failures, last_failure;
     uint64_t first_pages, pages; /* resident: of a worker after its first minute, and now */
+    uint64_t enough;             /* the worker is to end after its round */
 } totals;
 
 /* Shared by the worker and its watcher, and kept in the file. */
@@ -249,11 +250,10 @@ static void do_round(uint64_t number) {
 
 /* ---- Worker and watcher --------------------------------------------------------------------- */
 
-static int work(time_t end) {
+static int work(void) {
     const time_t start = time(NULL);
     all->first_pages = 0;
-    while (time(NULL) < end) {
-        alarm(ROUND_LIMIT);
+    while (!__atomic_load_n(&all->enough, __ATOMIC_RELAXED)) {
         do_round(all->round);
         ++all->round;
         all->pages = resident_pages();
@@ -291,24 +291,31 @@ static void note_failure(FILE *log, int status) {
     ++all->round;
 }
 
-/* Starts workers until the time is over, and writes a line a minute. */
-static void watch(FILE *log, time_t end) {
+/* Starts workers until the time is over, and writes a line a minute. The seconds are those that it lives
+ * through: where a machine sleeps, or the soak is stopped for a while, no round has been slow. */
+static void watch(FILE *log, uint64_t seconds) {
     pid_t worker = -1;
-    for (time_t now = time(NULL), line = now + MINUTE; now < end || worker > 0; now = time(NULL)) {
+    uint64_t round = all->round, round_began = 0;
+    all->enough = false;
+    for (uint64_t second = 1; second <= seconds || worker > 0; ++second) {
         int status = 0;
         if (worker < 0) {
             worker = fork();
-            if (worker == 0) exit(work(end));
+            if (worker == 0) exit(work());
             if (worker < 0) exit(1);
         }
         sleep(1);
         ++all->seconds;
-        if (now >= line) {
-            write_line(log);
-            line += MINUTE;
+        if (second % MINUTE == 0) write_line(log);
+        __atomic_store_n(&all->enough, second >= seconds, __ATOMIC_RELAXED);
+        if (round != all->round) {
+            round = all->round;
+            round_began = second;
         }
+        if (second - round_began > ROUND_LIMIT) kill(worker, SIGALRM);
         if (waitpid(worker, &status, WNOHANG) != worker) continue;
         worker = -1;
+        round_began = second;
         if (status != 0) note_failure(log, status);
     }
     write_line(log);
@@ -342,7 +349,7 @@ int main(int count, char **arguments) {
         printf("the round passes\n");
         return 0;
     }
-    watch(log, time(NULL) + (time_t)strtoul(arguments[2], NULL, 10));
+    watch(log, strtoull(arguments[2], NULL, 10));
     fclose(log);
     return all->failures > 0;
 }
