@@ -13,8 +13,8 @@
 
 enum {
     GROUPS = 256,
-    MOST_ROOMS = 16,
-    PRIMS_A_ROOM = 4096 /* of a lazy tree, whose rooms stay */
+    PRIMS_A_ROOM = 4096, /* at least: it is work for 40 us */
+    MOST_LAZY_ROOMS = 16 /* they stay */
 };
 
 /* Instead of a root. */
@@ -25,8 +25,9 @@ enum {
  * comes when all are taken waits for one. */
 typedef struct room_list {
     char *memory;
-    uint64_t bytes;        /* of one */
-    uint32_t count, taken; /* taken: a bit for each */
+    uint64_t bytes; /* of one */
+    uint32_t count;
+    uint8_t taken[HT_MOST_THREADS];
 } room_list;
 
 /* What is left of a build in a lazy tree. */
@@ -75,10 +76,11 @@ static void pause_thread(void) {
 #endif
 }
 
-static htree_status begin_rooms(room_list *r, ht_memory *memory, uint32_t count) {
+static htree_status begin_rooms(room_list *r, ht_memory *memory, uint32_t prims, uint32_t most) {
+    const uint32_t wanted = prims / PRIMS_A_ROOM + 1;
+    memset(r, 0, sizeof *r);
     r->bytes = ht_wide_morton_room();
-    r->count = count < 1 ? 1 : count < MOST_ROOMS ? count : MOST_ROOMS;
-    r->taken = 0;
+    r->count = wanted < most ? wanted : most;
     r->memory = (char *)ht_allocate(memory, r->bytes * r->count);
     return r->memory ? HTREE_OK : HTREE_ERROR_MEMORY;
 }
@@ -89,17 +91,15 @@ static void end_rooms(room_list *r, ht_memory *memory) {
 
 static uint32_t take_room(room_list *r) {
     for (;; pause_thread()) {
-        const uint32_t taken = __atomic_load_n(&r->taken, __ATOMIC_RELAXED);
         for (uint32_t i = 0; i < r->count; ++i) {
-            const uint32_t bit = 1u << i;
-            if (taken & bit) continue;
-            if (!(__atomic_fetch_or(&r->taken, bit, __ATOMIC_ACQUIRE) & bit)) return i;
+            if (__atomic_load_n(&r->taken[i], __ATOMIC_RELAXED)) continue;
+            if (!__atomic_exchange_n(&r->taken[i], 1, __ATOMIC_ACQUIRE)) return i;
         }
     }
 }
 
 static void leave_room(room_list *r, uint32_t i) {
-    __atomic_fetch_and(&r->taken, ~(1u << i), __ATOMIC_RELEASE);
+    __atomic_store_n(&r->taken[i], 0, __ATOMIC_RELEASE);
 }
 
 static void *room_at(const room_list *r, uint32_t i) {
@@ -147,7 +147,8 @@ static htree_status run_all(ht_wide_build *build) {
     htree *tree = builder->tree;
     running r;
     r.build = build;
-    HT_TRY(begin_rooms(&r.rooms, &tree->memory, ht_thread_count(&tree->tasks, tree->threads)));
+    HT_TRY(begin_rooms(&r.rooms, &tree->memory, build->prims,
+                       ht_thread_count(&tree->tasks, tree->threads)));
     ht_builder_run(builder, GROUPS, run_group, &r);
     end_rooms(&r.rooms, &tree->memory);
     return builder->progress.cancelled ? HTREE_ERROR_CANCELLED : HTREE_OK;
@@ -221,7 +222,7 @@ static htree_status become_lazy(ht_wide_build *build) {
     lazy *l = (lazy *)ht_allocate(&tree->memory, sizeof *l + (uint64_t)subtrees * sizeof *l->roots);
     if (!l) return HTREE_ERROR_MEMORY;
     memset(l, 0, sizeof *l);
-    if (begin_rooms(&l->rooms, &tree->memory, build->prims / PRIMS_A_ROOM) != HTREE_OK) {
+    if (begin_rooms(&l->rooms, &tree->memory, build->prims, MOST_LAZY_ROOMS) != HTREE_OK) {
         ht_release(&tree->memory, l, sizeof *l + (uint64_t)subtrees * sizeof *l->roots);
         return HTREE_ERROR_MEMORY;
     }
