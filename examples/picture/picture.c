@@ -23,7 +23,7 @@ void picture_free(picture *p) {
 
 /* NaN becomes 0: the comparison is false for it. */
 static uint8_t to_byte(float x) {
-    return x > 0 ? x < 1 ? (uint8_t)(x * 255 + 0.5f) : 255 : 0;
+    return (uint8_t)(x > 0 ? x < 1 ? (int)(x * 255 + 0.5f) : 255 : 0);
 }
 
 void picture_set(picture *p, int64_t x, int64_t y, colour c) {

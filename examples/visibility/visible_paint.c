@@ -30,7 +30,7 @@ static void tint_pixel(uint8_t *rgb, const htree_hit *hits, const visible_result
     }
     for (int k = 0; k < 3; ++k) {
         const float value = sum[k] / TAPS * 255 + 0.5f;
-        rgb[k] = value < 255 ? (uint8_t)value : 255;
+        rgb[k] = (uint8_t)(value < 255 ? (int)value : 255);
     }
 }
 

@@ -177,6 +177,6 @@ void assert_same_trees(const htree *a, const htree *b) {
     assert_int_equal(va.node_bytes, vb.node_bytes);
     assert_int_equal(va.leaf_bytes, vb.leaf_bytes);
     assert_int_equal(va.stack, vb.stack);
-    if (va.nodes) assert_memory_equal(va.nodes, vb.nodes, (size_t)va.node_bytes);
-    if (va.leaves) assert_memory_equal(va.leaves, vb.leaves, (size_t)va.leaf_bytes);
+    if (va.nodes) assert_true(memcmp(va.nodes, vb.nodes, (size_t)va.node_bytes) == 0);
+    if (va.leaves) assert_true(memcmp(va.leaves, vb.leaves, (size_t)va.leaf_bytes) == 0);
 }
