@@ -13,7 +13,8 @@
  *
  * One answer. The closest hit is the minimum of (t, prim) over one triangle test that every kind,
  * thread count and device shares: the same bits everywhere. No ray through a shared edge or vertex
- * of a closed mesh is lost.
+ * of a closed mesh is lost. Calls compute in the default floating-point environment, and call hooks
+ * in it, whatever the thread has set; then it has its own again.
  *
  * Errors. Every call that can fail returns an htree_status; on failure it writes nothing but NULL
  * through its out-pointer, and htree_error_text() says in words what was wrong. Nothing here exits,

@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.." || exit 1
 prefix=arm-
 . tests/common/rules.sh
 target=aarch64-linux-gnu
-programs="trace watertight query isa golden lazy check objects triangle"
+programs="trace watertight query isa golden lazy check objects triangle float_env"
 under_ubsan="isa golden objects triangle"
 ubsan="-fsanitize=undefined -fno-sanitize-recover=all -static-libubsan"
 

@@ -2,6 +2,7 @@
  * works along, closes it, and waits until the last helper has left; who comes late finds it closed
  * and misses nothing. */
 #include "tasks.h"
+#include "float_env.h"
 
 #ifndef HTREE_NO_THREADS
 #include <sched.h>
@@ -163,6 +164,16 @@ static void end_threads(ht_team *team) {
 
 #endif
 
+/* ---- The hook's threads --------------------------------------------------------------------- */
+
+/* Our helpers have the environment of the thread that started them, by POSIX; these have any. */
+static void run_hooked(void *data, uint32_t index) {
+    const ht_loop *loop = (const ht_loop *)data;
+    const ht_float_env env = ht_float_env_enter();
+    loop->task(loop->data, index);
+    ht_float_env_leave(env);
+}
+
 /* ---- Teams ---------------------------------------------------------------------------------- */
 
 void ht_team_begin(ht_team *team, const htree_tasks *hook, uint32_t threads) {
@@ -180,7 +191,7 @@ void ht_team_run(ht_team *team, uint32_t count, ht_task *task, void *data) {
     if (count <= 1 || team->threads == 1) {
         loop_run(&team->loop, false);
     } else if (team->hook->run) {
-        team->hook->run(team->hook->user, count, task, data);
+        team->hook->run(team->hook->user, count, run_hooked, &team->loop);
     } else {
         run_threaded(team);
     }

@@ -5,6 +5,7 @@
 #include "refit.h"
 #include "wide.h"
 #include "base/clock.h"
+#include "base/float_env.h"
 #include "tree/options.h"
 
 /* The kinds that can be built. Adding one: a builder file, a row here, a row in trace/trace.c and
@@ -113,7 +114,7 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
     return status;
 }
 
-htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_options *given) {
+static htree_status build(htree **out, const htree_mesh *mesh, const htree_options *given) {
     const double start = ht_seconds();
     if (!out) return ht_fail(HTREE_ERROR_ARGUMENT, "out is NULL");
     *out = NULL;
@@ -132,6 +133,10 @@ htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_option
     assert(htree_check(tree) != HTREE_ERROR_CORRUPT);
     *out = tree;
     return HTREE_OK;
+}
+
+htree_status htree_build(htree **out, const htree_mesh *mesh, const htree_options *given) {
+    HT_RETURN_IN_DEFAULT_ENV(build(out, mesh, given));
 }
 
 /* ---- The same tree again -------------------------------------------------------------------- */
@@ -168,7 +173,7 @@ static htree_status read_update(const htree *tree, const htree_mesh *mesh, int32
     return ht_verify_mesh(mesh);
 }
 
-htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how, double *quality) {
+static htree_status update(htree *tree, const htree_mesh *mesh, int32_t how, double *quality) {
     bool refits = false;
     double ratio = 1;
     HT_TRY(read_update(tree, mesh, how));
@@ -183,8 +188,16 @@ htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how, doub
     return HTREE_OK;
 }
 
-htree_status htree_complete(htree *tree) {
+htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how, double *quality) {
+    HT_RETURN_IN_DEFAULT_ENV(update(tree, mesh, how, quality));
+}
+
+static htree_status complete(htree *tree) {
     HT_TRY(ht_tree_verify(tree));
     if (tree->lazy) tree->lazy->complete(tree);
     return HTREE_OK;
+}
+
+htree_status htree_complete(htree *tree) {
+    HT_RETURN_IN_DEFAULT_ENV(complete(tree));
 }

@@ -5,6 +5,7 @@
  * Random order matters, since what a node costs is mostly the branch that nobody could predict. */
 #include "h_steps.h"
 #include "base/clock.h"
+#include "base/float_env.h"
 
 enum { SAMPLES = 4096, RAYS = 256, REPEATS = 9 };
 
@@ -127,7 +128,7 @@ static void measure(calibration *c, htree_options *options) {
     options->cost_intersect = intersect / skd;
 }
 
-htree_status htree_calibrate(htree_options *options) {
+static htree_status calibrate(htree_options *options) {
     if (!options) return ht_fail(HTREE_ERROR_ARGUMENT, "options is NULL");
     if (options->size < sizeof *options) {
         return ht_fail(HTREE_ERROR_ARGUMENT, "options.size is %lu: call htree_options_init first",
@@ -140,4 +141,8 @@ htree_status htree_calibrate(htree_options *options) {
     measure(c, options);
     ht_release(&memory, c, sizeof *c);
     return HTREE_OK;
+}
+
+htree_status htree_calibrate(htree_options *options) {
+    HT_RETURN_IN_DEFAULT_ENV(calibrate(options));
 }

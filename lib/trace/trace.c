@@ -1,6 +1,7 @@
 /* trace.c: htree_intersect and htree_occluded: the arguments, the batch on all cores, and every
  * ray's way from the caller's bytes to the walk of the tree's kind. */
 #include "trace.h"
+#include "base/float_env.h"
 #include "base/sized.h"
 #include "coherence.h"
 
@@ -228,10 +229,10 @@ htree_status htree_query_init(htree_query *query, uint64_t size) {
 
 htree_status htree_intersect(const htree *tree, const htree_ray *rays, uint64_t count,
                              htree_hit *hits, const htree_query *query) {
-    return trace_batch(tree, rays, count, hits, NULL, query);
+    HT_RETURN_IN_DEFAULT_ENV(trace_batch(tree, rays, count, hits, NULL, query));
 }
 
 htree_status htree_occluded(const htree *tree, const htree_ray *rays, uint64_t count,
                             uint8_t *occluded, const htree_query *query) {
-    return trace_batch(tree, rays, count, NULL, occluded, query);
+    HT_RETURN_IN_DEFAULT_ENV(trace_batch(tree, rays, count, NULL, occluded, query));
 }

@@ -1,5 +1,6 @@
 /* check.c: htree_check: proves what walks rely on, so that a walk needs no checks of its own. */
 #include "visit.h"
+#include "base/float_env.h"
 
 typedef struct proof {
     const htree *tree;
@@ -104,7 +105,7 @@ static htree_status run_proof(proof *p) {
     return HTREE_OK;
 }
 
-htree_status htree_check(const htree *tree) {
+static htree_status check(const htree *tree) {
     HT_TRY(ht_tree_verify(tree));
     if (tree->stack > ht_stack_limit(tree->kind)) {
         return ht_fail(HTREE_ERROR_CORRUPT, "the tree states a stack of %lu",
@@ -126,4 +127,8 @@ htree_status htree_check(const htree *tree) {
     ht_release(&memory, p.prim_seen, prim_bytes);
     ht_release(&memory, p.slot_seen, slot_bytes);
     return status;
+}
+
+htree_status htree_check(const htree *tree) {
+    HT_RETURN_IN_DEFAULT_ENV(check(tree));
 }

@@ -4,6 +4,7 @@
 #include "file.h"
 #include "options.h"
 #include "base/clock.h"
+#include "base/float_env.h"
 #include "base/sized.h"
 
 /* ---- Options -------------------------------------------------------------------------------- */
@@ -290,8 +291,8 @@ static htree_status prove(htree *tree) {
 
 /* ---- Load ----------------------------------------------------------------------------------- */
 
-htree_status htree_load(htree **out, const void *file, uint64_t size,
-                        const htree_load_options *given) {
+static htree_status load(htree **out, const void *file, uint64_t size,
+                         const htree_load_options *given) {
     const double start = ht_seconds();
     if (!out) return ht_fail(HTREE_ERROR_ARGUMENT, "out is NULL");
     *out = NULL;
@@ -318,4 +319,9 @@ htree_status htree_load(htree **out, const void *file, uint64_t size,
     tree->build_seconds = ht_seconds() - start;
     *out = tree;
     return HTREE_OK;
+}
+
+htree_status htree_load(htree **out, const void *file, uint64_t size,
+                        const htree_load_options *given) {
+    HT_RETURN_IN_DEFAULT_ENV(load(out, file, size, given));
 }

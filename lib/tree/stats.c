@@ -1,5 +1,6 @@
 /* stats.c: htree_get_stats: the paper's columns of a finished tree, and its expected cost. */
 #include "visit.h"
+#include "base/float_env.h"
 #include "base/sized.h"
 
 typedef struct census {
@@ -44,7 +45,7 @@ static htree_status take_census(const htree *tree, census *c) {
 /* The struct as version 0.1 knew it. */
 enum { FIRST_STATS_SIZE = sizeof(htree_stats) };
 
-htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
+static htree_status get_stats(const htree *tree, htree_stats *stats) {
     census c;
     HT_TRY(ht_tree_verify(tree));
     if (!stats) return ht_fail(HTREE_ERROR_ARGUMENT, "stats is NULL");
@@ -76,4 +77,8 @@ htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
     s.subtrees_built = tree->lazy ? tree->lazy->built(tree) : 0;
     ht_sized_write(stats, &s, sizeof s);
     return HTREE_OK;
+}
+
+htree_status htree_get_stats(const htree *tree, htree_stats *stats) {
+    HT_RETURN_IN_DEFAULT_ENV(get_stats(tree, stats));
 }
