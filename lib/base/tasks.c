@@ -176,9 +176,13 @@ static void run_hooked(void *data, uint32_t index) {
 
 /* ---- Teams ---------------------------------------------------------------------------------- */
 
+uint32_t ht_team_threads(const htree_tasks *hook, uint32_t threads) {
+    return hook->run ? threads : ht_thread_count(NULL, threads);
+}
+
 void ht_team_begin(ht_team *team, const htree_tasks *hook, uint32_t threads) {
     team->hook = hook;
-    team->threads = hook->run ? threads : ht_thread_count(NULL, threads);
+    team->threads = ht_team_threads(hook, threads);
     team->helpers = 0;
     begin_threads(team);
 }
@@ -204,6 +208,10 @@ void ht_team_end(ht_team *team) {
 void ht_parallel_for(const htree_tasks *hook, uint32_t threads, uint32_t count, ht_task *task,
                      void *data) {
     ht_team team;
+    if (count <= 1) {
+        if (count == 1) task(data, 0);
+        return;
+    }
     ht_team_begin(&team, hook, threads);
     ht_team_run(&team, count, task, data);
     ht_team_end(&team);

@@ -51,6 +51,10 @@ void ht_team_end(ht_team *team);
 void ht_parallel_for(const htree_tasks *hook, uint32_t threads, uint32_t count, ht_task *task,
                      void *data);
 
+/* What `threads` of options means: 0 is one per core, and asking for their number takes as long as
+ * several rays; where a hook decides it stays what it is. */
+uint32_t ht_team_threads(const htree_tasks *hook, uint32_t threads);
+
 /* Threads that such a loop may have: as many as cores where the hook decides. */
 uint32_t ht_thread_count(const htree_tasks *hook, uint32_t threads);
 

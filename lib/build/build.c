@@ -42,7 +42,7 @@ static void tree_begin(htree *tree, ht_memory memory, const htree_mesh *mesh,
     tree->options = *options;
     memset(&tree->options.progress, 0, sizeof tree->options.progress); /* of that call only */
     tree->kind = options->kind;
-    tree->threads = options->threads;
+    tree->threads = ht_team_threads(&options->tasks, options->threads);
     tree->tasks = options->tasks;
     tree->isa = ht_isa_here();
     tree->bounds = ht_box_empty();
@@ -96,7 +96,7 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
     builder.mesh = mesh;
     builder.tree = tree;
     builder.team = &team;
-    ht_team_begin(&team, &options->tasks, options->threads);
+    ht_team_begin(&team, &tree->tasks, tree->threads);
     htree_status status = ht_copy_objects(&builder);
     if (status == HTREE_OK) {
         status = builders[row].loads ? builders[row].build(&builder)

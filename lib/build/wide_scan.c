@@ -252,9 +252,9 @@ static htree_status join_chunks(const scan *s) {
 
 static void cut_chunks(scan *s) {
     const uint64_t prims = (uint64_t)s->source->triangle_count + s->source->object_count;
-    const htree_options *options = s->builder->options;
+    const htree *tree = s->builder->tree;
     uint64_t chunks = prims / PRIMS_A_CHUNK + 1;
-    const uint32_t threads = ht_thread_count(&options->tasks, options->threads);
+    const uint32_t threads = ht_thread_count(&tree->tasks, tree->threads);
     if (chunks > threads) chunks = threads;
     if (chunks > MOST_CHUNKS) chunks = MOST_CHUNKS;
     s->chunks = (uint32_t)chunks;

@@ -156,11 +156,17 @@ static uint64_t run_strips(batch *b, uint32_t threads) {
     return b->rows.row * b->rows.count;
 }
 
-static void run_blocks(batch *b, uint32_t threads) {
+static uint64_t block_size(const batch *b, uint32_t threads) {
+    if (b->count <= SHORTEST_BLOCK) return SHORTEST_BLOCK;
     const uint32_t wanted = TASKS_A_THREAD * ht_thread_count(&b->tree->tasks, threads);
     uint64_t block = BLOCK;
     while (block > SHORTEST_BLOCK && b->count / block < wanted) block /= 2;
     while (b->count / block >= UINT32_MAX / 4) block *= 2;
+    return block;
+}
+
+static void run_blocks(batch *b, uint32_t threads) {
+    const uint64_t block = block_size(b, threads);
     b->block = (uint32_t)block;
     const uint32_t blocks = (uint32_t)((b->count + block - 1) / block);
     ht_parallel_for(&b->tree->tasks, threads, blocks, trace_block, b);

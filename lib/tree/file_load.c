@@ -142,7 +142,7 @@ static htree *tree_new(const ht_file_header *h, const htree_load_options *option
     memset(tree, 0, sizeof *tree);
     tree->memory = memory;
     tree->kind = h->kind;
-    tree->threads = options->threads;
+    tree->threads = ht_team_threads(&options->tasks, options->threads);
     tree->tasks = options->tasks;
     tree->isa = ht_isa_here();
     tree->bounds = ht_box_empty();
