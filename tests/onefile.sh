@@ -1,7 +1,7 @@
 #!/bin/sh
 # onefile.sh: dist/htree.c, the library as one file: compiled by several compilers in several languages without a
 # warning, with and without threads; the test programs over it; hits and trees that are the same as on
-# every machine (test_golden) on 64-bit ARM and on WebAssembly too. Prints `ok onefile-NAME`, `FAILED
+# every machine (test_golden) by gcc and clang at -O0, -O2 and -O3, on 64-bit ARM and on WebAssembly. Prints `ok onefile-NAME`, `FAILED
 # onefile-NAME: why` or `skipped onefile-NAME: why` for each.
 #
 # HTREE_TEST_SCALE replaces the scale of the programs.
@@ -56,6 +56,27 @@ all_tests() {
 single_tests() {
     for name in golden trace query build lazy update; do
         [ -f "tests/test_$name.c" ] && echo "$folder/single_$name"
+    done
+}
+
+# ---- Other compilers -----------------------------------------------------------------------------------
+
+GOLDEN='tests/test_golden.c tests/common/rays.c tests/common/suite.c
+    examples/mesh/decimal.c examples/mesh/shapes.c examples/mesh/subdivide.c'
+golden_by() { # golden_by COMPILER LEVEL: neither changes a bit of hits and trees
+    # shellcheck disable=SC2086
+    "$1" -std=c99 "$2" -D_POSIX_C_SOURCE=200809L -Idist -Itests/common -Iexamples/mesh -o "$work/golden" \
+        $GOLDEN dist/htree.c -lcmocka -lm -lpthread || return 1
+    passes "$work/golden"
+}
+
+check_levels() {
+    for compiler in gcc "$CLANG"; do
+        if ! command -v "$compiler" >/dev/null; then
+            skip "golden-$compiler" "no $compiler"
+            continue
+        fi
+        for level in O0 O2 O3; do rule "golden-$compiler-$level" golden_by "$compiler" "-$level"; done
     done
 }
 
@@ -125,6 +146,7 @@ rule tests-build quiet_make CC="$CC" $(all_tests) $(single_tests)
 for program in $(all_tests) $(single_tests); do
     rule "$(basename "$program" | sed 's/^test_//')" passes "$program"
 done
+check_levels
 check_arm
 check_wasm
 exit $bad

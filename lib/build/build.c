@@ -192,12 +192,12 @@ htree_status htree_update(htree *tree, const htree_mesh *mesh, int32_t how, doub
     HT_RETURN_IN_DEFAULT_ENV(update(tree, mesh, how, quality));
 }
 
-static htree_status complete(htree *tree) {
+static htree_status complete_tree(htree *tree) {
     HT_TRY(ht_tree_verify(tree));
     if (tree->lazy) tree->lazy->complete(tree);
     return HTREE_OK;
 }
 
 htree_status htree_complete(htree *tree) {
-    HT_RETURN_IN_DEFAULT_ENV(complete(tree));
+    HT_RETURN_IN_DEFAULT_ENV(complete_tree(tree));
 }
