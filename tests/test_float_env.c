@@ -211,8 +211,8 @@ static void prove_scene(const char *name, uint64_t triangles, float scale) {
 
 static void any_environment_gives_the_same_bits(void **state) {
     (void)state;
-    prove_scene("city", 1000 + scaled(4000), 1);
-    prove_scene("knot", 32, 7.174648137343064e-43f); /* 2^-140 */
+    prove_scene("city", 500 + scaled(2000), 1);
+    prove_scene("knot", 20, 7.174648137343064e-43f); /* 2^-140 */
     say("environments: %llu times all calls in one, the bits of the default one",
         (unsigned long long)compared);
 }
