@@ -2,6 +2,7 @@
  * the options are. */
 #include "oracle.h"
 #include "rays.h"
+#include "tree/layout.h"
 
 #include <math.h>
 
@@ -42,19 +43,19 @@ static void run_end(run *r) {
     differences_total += r->differences;
 }
 
-static void show_difference(const run *r, uint32_t tree, uint32_t family, const htree_ray *ray,
+static void show_difference(const run *r, uint32_t tree, const char *family, const htree_ray *ray,
                             const htree_hit *is, const htree_hit *should) {
     if (r->differences > 5) return;
     print_message("%s %s %s: org %a %a %a tmin %a dir %a %a %a tmax %a\n", r->scene,
-                  htree_kind_name(r->kind[tree]), ray_family_name(family), (double)ray->org[0],
-                  (double)ray->org[1], (double)ray->org[2], (double)ray->tmin, (double)ray->dir[0],
-                  (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmax);
+                  htree_kind_name(r->kind[tree]), family, (double)ray->org[0], (double)ray->org[1],
+                  (double)ray->org[2], (double)ray->tmin, (double)ray->dir[0], (double)ray->dir[1],
+                  (double)ray->dir[2], (double)ray->tmax);
     print_message("  is     t %a u %a v %a prim %u\n  should t %a u %a v %a prim %u\n",
                   (double)is->t, (double)is->u, (double)is->v, is->prim, (double)should->t,
                   (double)should->u, (double)should->v, should->prim);
 }
 
-static void compare(run *r, uint32_t family, const htree_ray *rays, const htree_hit *truth,
+static void compare(run *r, const char *family, const htree_ray *rays, const htree_hit *truth,
                     uint64_t count) {
     htree_hit *const hits = (htree_hit *)take(count * sizeof *hits);
     uint8_t *const any = (uint8_t *)take(count);
@@ -87,7 +88,7 @@ static void run_rays(run *r, uint64_t per_family, uint64_t seed) {
             const uint64_t count = per_family - done < BATCH ? per_family - done : BATCH;
             rays_make(&r->target, family, &d, rays, count);
             r->hits += oracle_batch(&r->truth, rays, count, truth);
-            compare(r, family, rays, truth, count);
+            compare(r, ray_family_name(family), rays, truth, count);
             r->rays += count;
             done += count;
         }
@@ -207,6 +208,47 @@ static void every_kind_equals_oracle_on_a_lattice(void **state) {
     report("lattice");
 }
 
+/* Any way through the scene, but not along `axis`. */
+static htree_ray ray_within_plane(const run *r, uint32_t axis, float plane, dice *d) {
+    float org[3], to[3];
+    random_in_box(&r->target.box, 0.5f, d, org);
+    random_in_box(&r->target.box, 0, d, to);
+    org[axis] = to[axis] = plane;
+    htree_ray ray = ray_through(org, to);
+    if (dice_below(d, 2) != 0) ray.dir[axis] = -0.0f;
+    return ray;
+}
+
+/* The distance to such a plane is 0 / 0. */
+static void every_kind_equals_oracle_within_planes_of_a_grid(void **state) {
+    enum { RAYS = 16 };
+    htree_ray rays[RAYS];
+    htree_hit truth[RAYS];
+    shape s = shape_of("soup", 20000, 9);
+    const htree_mesh mesh = mesh_of(&s);
+    dice d = {31};
+    run r;
+    (void)state;
+    run_begin(&r, "soup", &mesh);
+    assert_int_equal(r.kind[0], HTREE_UG);
+    const htree_view view = view_of(r.tree[0]);
+    const ht_ug_grid *const grid = (const ht_ug_grid *)view.grid;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        for (uint32_t plane = 1; plane < grid->cells[axis]; ++plane) {
+            const float at = grid->lo[axis] + (float)plane * grid->size[axis];
+            for (uint32_t i = 0; i < RAYS; ++i) {
+                rays[i] = ray_within_plane(&r, axis, nudged(at, (int)(i % 4) - 1), &d);
+            }
+            r.hits += oracle_batch(&r.truth, rays, RAYS, truth);
+            compare(&r, "within a plane", rays, truth, RAYS);
+            r.rays += RAYS;
+        }
+    }
+    run_end(&r);
+    shape_free(&s);
+    report("planes of a grid");
+}
+
 /* ---- Options do not change hits ----------------------------------------------------------------
  */
 
@@ -288,6 +330,7 @@ int main(void) {
         cmocka_unit_test(every_kind_equals_oracle_at_every_scale),
         cmocka_unit_test(every_kind_equals_oracle_far_from_the_origin),
         cmocka_unit_test(every_kind_equals_oracle_on_a_lattice),
+        cmocka_unit_test(every_kind_equals_oracle_within_planes_of_a_grid),
         cmocka_unit_test(every_option_gives_the_same_hits),
     };
     return cmocka_run_group_tests_name("trace", tests, NULL, NULL);

@@ -64,7 +64,7 @@ static htree_status place_errands(ht_wide_build *build) {
     }
     HT_TRY(ht_wide_allocate(tree, node, leaf));
     memcpy(tree->nodes, build->top.part.nodes.items,
-           build->top.part.nodes.count * sizeof(ht_wide_node));
+           (size_t)build->top.part.nodes.count * sizeof(ht_wide_node));
     return HTREE_OK;
 }
 

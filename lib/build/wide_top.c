@@ -207,7 +207,7 @@ static htree_status grow_all(growing *g) {
     const uint64_t bytes = g->large.count * sizeof *g->grown;
     g->grown = (growth *)ht_allocate(memory, bytes);
     if (!g->grown) return HTREE_ERROR_MEMORY;
-    memset(g->grown, 0, bytes);
+    memset(g->grown, 0, (size_t)bytes);
     htree_status status = reserve(g);
     if (status == HTREE_OK) {
         ht_builder_run(g->build->builder, (uint32_t)g->large.count, grow, g);
