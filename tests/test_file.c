@@ -281,6 +281,7 @@ static void loading_refuses_bad_arguments(void **state) {
     for (uint64_t odd = 1; odd < 64; ++odd) refuse(file.bytes + odd, file.size - odd, &bad);
     assert_int_equal(htree_load_options_init(NULL, sizeof bad), HTREE_ERROR_ARGUMENT);
     assert_int_equal(htree_load_options_init(&bad, sizeof bad - 1), HTREE_ERROR_ARGUMENT);
+    assert_int_equal(htree_load_options_init(&bad, 65537), HTREE_ERROR_ARGUMENT);
     saved_free(&file);
     htree_free(tree);
     seed_scene_free(&scene);

@@ -1,6 +1,7 @@
 /* test_memory.c: every byte goes through the hook and comes back, and every allocation may fail. */
 #include "ledger.h"
 #include "rays.h"
+#include "base/memory.h"
 
 enum { RAYS = 1500 };
 
@@ -18,12 +19,23 @@ typedef struct scenario {
     uint64_t triangles;
     uint32_t threads;
     bool objects;
+    htree_kind kind; /* 0: every kind */
+    uint32_t flags;
 } scenario;
 
 static const scenario scenarios[] = {
-    {"none", 0, 1, false},      {"one", 1, 1, false},     {"soup", 50, 1, false},
-    {"same", 700, 1, false},    {"knot", 5000, 1, false}, {"knot", 5000, 4, true},
-    {"terrain", 3000, 1, true}, {"none", 0, 1, true},
+    {"none", 0, 1, false, 0, 0},
+    {"one", 1, 1, false, 0, 0},
+    {"soup", 50, 1, false, 0, 0},
+    {"same", 700, 1, false, 0, 0},
+    {"knot", 5000, 1, false, 0, 0},
+    {"knot", 5000, 4, true, 0, 0},
+    {"terrain", 3000, 1, true, 0, 0},
+    {"none", 0, 1, true, 0, 0},
+    {"crowd", 15000, 2, false, HTREE_WIDE, 0}, /* with crowded cells */
+    {"same", 15000, 1, false, HTREE_WIDE, 0},
+    {"knot", 15000, 2, true, HTREE_WIDE, HTREE_MORTON},
+    {"crowd", 15000, 1, false, HTREE_WIDE, HTREE_LAZY},
 };
 
 static int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
@@ -63,6 +75,7 @@ static void stage_begin(stage *g, const scenario *c, htree_kind kind) {
     ledger_init(&g->books);
     g->options = options_of(kind);
     g->options.threads = c->threads;
+    g->options.flags |= c->flags;
     g->options.allocator = ledger_allocator(&g->books);
     rays_make_mixed(&target, &d, g->rays, RAYS);
 }
@@ -90,6 +103,7 @@ static void for_each_scenario(void (*prove)(stage *g)) {
     stage *const g = (stage *)take(sizeof *g);
     for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
         for (uint32_t i = 0; i < COUNT_OF(scenarios); ++i) {
+            if (scenarios[i].kind != 0 && scenarios[i].kind != kind) continue;
             stage_begin(g, &scenarios[i], kind);
             prove(g);
             stage_end(g);
@@ -209,12 +223,49 @@ static void every_failed_build_gives_memory_back(void **state) {
     ledger_free(&books);
 }
 
+/* ---- Kept blocks ---------------------------------------------------------------------------- */
+
+/* Takes and releases a block; returns whether it was a new one. */
+static bool is_fresh(ht_memory *memory, const ledger *books, uint64_t bytes) {
+    const uint64_t before = books->calls;
+    void *const block = ht_allocate(memory, bytes);
+    assert_non_null(block);
+    ht_release(memory, block, bytes);
+    return books->calls > before;
+}
+
+/* A recycler has room for some hundred blocks: a larger one takes the place of the smallest. */
+static void large_blocks_are_kept_first(void **state) {
+    enum { BLOCKS = 400, BYTES = 1 << 15 };
+    static void *block[BLOCKS];
+    ledger books;
+    (void)state;
+    ledger_init(&books);
+    ht_memory memory = {ledger_allocator(&books), 0, 0, NULL};
+    assert_non_null(ht_recycler_begin(&memory));
+    for (uint64_t i = 0; i < BLOCKS; ++i) block[i] = ht_allocate(&memory, BYTES + i);
+    assert_int_equal(books.live_blocks, BLOCKS + 1);
+    for (uint64_t i = 0; i < BLOCKS; ++i) ht_release(&memory, block[i], BYTES + i);
+    const uint64_t kept = books.live_blocks - 1;
+    assert_true(kept > 0 && kept < BLOCKS);
+    assert_true(is_fresh(&memory, &books, 8 * BYTES));
+    assert_false(is_fresh(&memory, &books, 8 * BYTES));
+    assert_false(is_fresh(&memory, &books, BYTES + BLOCKS - 1)); /* the largest of the others */
+    assert_true(is_fresh(&memory, &books, BYTES / 2 - 1));       /* smaller than any that is kept */
+    assert_true(is_fresh(&memory, &books, BYTES / 2 - 1));
+    assert_int_equal(books.live_blocks, kept + 1);
+    ht_recycler_end(&memory);
+    ledger_assert_balanced(&books);
+    ledger_free(&books);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_byte_is_counted_and_comes_back),
         cmocka_unit_test(a_build_survives_the_failure_of_any_allocation),
         cmocka_unit_test(a_tree_works_on_without_memory),
         cmocka_unit_test(every_failed_build_gives_memory_back),
+        cmocka_unit_test(large_blocks_are_kept_first),
     };
     const int failed = cmocka_run_group_tests_name("memory", tests, NULL, NULL);
     say("%llu allocation failures injected", (unsigned long long)failures_injected);

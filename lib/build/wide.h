@@ -32,9 +32,8 @@ typedef struct ht_wide_cells {
     uint32_t *leaf_order; /* scratch, then the prims in the order of leaves */
 } ht_wide_cells;
 
-/* At most `wanted` near-cubes over the box of centroids; or `cells` along each axis. */
+/* At most `wanted` near-cubes over the box of centroids. */
 void ht_wide_grid_shape(ht_wide_grid *grid, const htree_box *centroids, double wanted);
-void ht_wide_grid_cut(ht_wide_grid *grid, const htree_box *centroids, uint32_t cells);
 
 HT_INLINE void ht_wide_grid_at(const ht_wide_grid *grid, ht_f4 lo, ht_f4 hi, int32_t at[4]) {
     const ht_f4 c = ht_f4_sub(ht_f4_add(lo, hi), ht_f4_load(grid->origin));

@@ -35,12 +35,6 @@ void ht_wide_grid_shape(ht_wide_grid *grid, const htree_box *centroids, double w
     set_scales(grid, centroids);
 }
 
-void ht_wide_grid_cut(ht_wide_grid *grid, const htree_box *centroids, uint32_t cells) {
-    memset(grid, 0, sizeof *grid);
-    for (int i = 0; i < 3; ++i) grid->cells[i] = cells;
-    set_scales(grid, centroids);
-}
-
 /* ---- One crowded cell ----------------------------------------------------------------------- */
 
 /* A cell to be refined, and how often its cells may be. */
