@@ -13,16 +13,17 @@
 static const struct {
     htree_kind kind;
     ht_build *build;
-    bool loads; /* reads the mesh by itself, and sets the tree's bounds and counts */
+    uint32_t most; /* prims that its nodes and the arrays of its builder can address */
+    bool loads;    /* reads the mesh by itself, and sets the tree's bounds and counts */
 } builders[] = {
-    {HTREE_UG, ht_build_ug, false},
-    {HTREE_KD, ht_build_kd, false},
-    {HTREE_BVH_MEDIAN, ht_build_bvh_median, false},
-    {HTREE_BVH_SAH, ht_build_bvh_sah, false},
-    {HTREE_SKD, ht_build_skd, false},
-    {HTREE_H, ht_build_h, false},
-    {HTREE_AH, ht_build_ah, false},
-    {HTREE_WIDE, ht_build_wide, true},
+    {HTREE_UG, ht_build_ug, UINT32_MAX / 6, false},
+    {HTREE_KD, ht_build_kd, HT_KD_SLOTS / 8, false},
+    {HTREE_BVH_MEDIAN, ht_build_bvh_median, INT32_MAX, false},
+    {HTREE_BVH_SAH, ht_build_bvh_sah, INT32_MAX, false},
+    {HTREE_SKD, ht_build_skd, HT_H_PRIMS, false},
+    {HTREE_H, ht_build_h, HT_H_PRIMS, false},
+    {HTREE_AH, ht_build_ah, HT_H_PRIMS, false},
+    {HTREE_WIDE, ht_build_wide, HT_WIDE_PRIMS - 1, true},
 };
 
 /* Index of the kind's row. */
@@ -75,8 +76,17 @@ ht_prim *ht_builder_spare(ht_builder *builder) {
 
 /* UG and KD divide space: their leaves share prims, which wide trees do not. */
 static bool is_collapsed(const htree *tree, const htree_options *options) {
-    return (options->flags & HTREE_COLLAPSE) != 0 && tree->prim_count > 0 &&
-           tree->kind != HTREE_UG && tree->kind != HTREE_KD && tree->kind != HTREE_WIDE;
+    return (options->flags & HTREE_COLLAPSE) != 0 && tree->kind != HTREE_UG &&
+           tree->kind != HTREE_KD && tree->kind != HTREE_WIDE;
+}
+
+static htree_status verify_count(const htree *tree, const htree_options *options, size_t row) {
+    const uint64_t prims = (uint64_t)tree->triangle_count + tree->object_count;
+    uint32_t most = builders[row].most;
+    if (is_collapsed(tree, options) && most >= HT_WIDE_PRIMS) most = HT_WIDE_PRIMS - 1;
+    if (prims <= most) return HTREE_OK;
+    return ht_fail(HTREE_ERROR_LIMIT, "%llu triangles and objects: a tree of kind %s holds %lu",
+                   (unsigned long long)prims, htree_kind_name(tree->kind), (unsigned long)most);
 }
 
 static htree_status load_and_build(ht_builder *builder, ht_build *build) {
@@ -91,6 +101,7 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
     const uint64_t prims = (uint64_t)tree->triangle_count + tree->object_count;
     ht_builder builder;
     ht_team team;
+    HT_TRY(verify_count(tree, options, row));
     memset(&builder, 0, sizeof builder);
     builder.options = options;
     builder.mesh = mesh;
@@ -102,7 +113,7 @@ static htree_status build_tree(htree *tree, const htree_mesh *mesh, const htree_
         status = builders[row].loads ? builders[row].build(&builder)
                                      : load_and_build(&builder, builders[row].build);
     }
-    if (status == HTREE_OK && is_collapsed(tree, options)) {
+    if (status == HTREE_OK && tree->prim_count > 0 && is_collapsed(tree, options)) {
         status = ht_collapse(&builder);
         if (status == HTREE_OK && options->flags & HTREE_COMPACT)
             status = ht_wide_compact(&builder);

@@ -116,9 +116,6 @@ static htree_status run_tasks(bvh_build *build) {
 
 static htree_status build_bvh(ht_builder *builder, bool median) {
     htree *tree = builder->tree;
-    if (tree->prim_count > UINT32_MAX / 2) {
-        return ht_fail(HTREE_ERROR_LIMIT, "a BVH holds at most 2^31 - 1 objects");
-    }
     bvh_build build;
     memset(&build, 0, sizeof build);
     build.builder = builder;

@@ -201,8 +201,6 @@ htree_status ht_collapse(const ht_builder *builder) {
     const uint64_t order_bytes = tree->prim_count * sizeof(uint32_t);
     htree_status status = HTREE_ERROR_MEMORY;
     collapsing c;
-    if ((uint64_t)tree->triangle_count + tree->object_count >= HT_WIDE_PRIMS)
-        return ht_fail(HTREE_ERROR_LIMIT, "a wide tree holds fewer than 2^30 - 1 objects");
     memset(&c, 0, sizeof c);
     ht_wide_part_begin(&c.part, memory);
     ht_array_begin(&c.joints.all, memory, sizeof(ht_joint));

@@ -17,10 +17,7 @@ htree_status ht_h_writer_begin(ht_h_writer *writer, ht_builder *builder, bool bo
     memset(writer, 0, sizeof *writer);
     writer->builder = builder;
     writer->bounding = bounding;
-    /* Slots of shelves have 28 bits beside the tag. */
-    if (most_slots(prims) > HT_H_SLOTS) {
-        return ht_fail(HTREE_ERROR_LIMIT, "an H-tree holds at most 2^26 - 2^18 objects");
-    }
+    assert(most_slots(prims) <= HT_H_SLOTS);
     writer->capacity = (uint32_t)usual_slots(prims);
     writer->nodes =
         (ht_h_node *)ht_allocate(&builder->tree->memory, writer->capacity * sizeof(ht_h_node));

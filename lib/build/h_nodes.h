@@ -18,7 +18,7 @@ HT_INLINE ht_h_node *ht_h_node_at(const ht_h_writer *writer, uint32_t slot) {
     return &writer->nodes[slot];
 }
 
-/* Fails with LIMIT or MEMORY; ht_h_writer_end is due either way. */
+/* Fails with MEMORY; ht_h_writer_end is due either way. */
 htree_status ht_h_writer_begin(ht_h_writer *writer, ht_builder *builder, bool bounding);
 void ht_h_writer_end(ht_h_writer *writer);
 

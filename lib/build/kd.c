@@ -242,8 +242,6 @@ static htree_status build_nodes(kd_build *build) {
 htree_status ht_build_kd(ht_builder *builder) {
     htree *tree = builder->tree;
     const uint32_t n = tree->prim_count;
-    if (n > HT_KD_SLOTS / 8)
-        return ht_fail(HTREE_ERROR_LIMIT, "a kd-tree holds at most 2^27 objects");
     kd_build build;
     memset(&build, 0, sizeof build);
     build.builder = builder;

@@ -128,8 +128,6 @@ static htree_status fill(ht_builder *builder, const float *margin) {
 htree_status ht_build_ug(ht_builder *builder) {
     htree *tree = builder->tree;
     float margin[3];
-    if (tree->prim_count > UINT32_MAX / 6)
-        return ht_fail(HTREE_ERROR_LIMIT, "a grid holds at most 2^32 / 6 objects");
     set_margin(tree, &tree->grid, margin);
     choose_cells(builder, margin);
     builder->progress.total *= 2;

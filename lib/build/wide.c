@@ -41,8 +41,6 @@ htree_status ht_build_wide(ht_builder *builder) {
     ht_memory *memory = &tree->memory;
     const uint64_t prims = (uint64_t)tree->triangle_count + tree->object_count;
     ht_wide_build build;
-    if (prims >= HT_WIDE_PRIMS)
-        return ht_fail(HTREE_ERROR_LIMIT, "a wide tree holds fewer than 2^30 - 1 objects");
     memset(&build, 0, sizeof build);
     build.builder = builder;
     build.prims = (uint32_t)prims;

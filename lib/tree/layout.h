@@ -50,7 +50,8 @@ typedef struct ht_bvh_node {
 #define HT_H_TAG_BITS 4u
 #define HT_H_SLOTS    0x10000000u
 
-#define HT_H_CHUNK_SLOTS 1024u /* 16 KiB */
+#define HT_H_CHUNK_SLOTS 1024u      /* 16 KiB */
+#define HT_H_PRIMS       0x3fc0000u /* four slots each, and what chunks lose at their ends */
 #define HT_ALL_PLANES    63u
 
 typedef struct ht_h_node {
