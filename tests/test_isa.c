@@ -43,10 +43,14 @@ static void compare_path(const htree *tree, const htree_ray *rays, const htree_h
     free(hits);
 }
 
-static void compare_paths(const htree_mesh *mesh, const htree_ray *rays, uint64_t count) {
+static void compare_paths(const htree_mesh *mesh, uint32_t flags, const htree_ray *rays,
+                          uint64_t count) {
     htree_hit *const truth = (htree_hit *)take(count * sizeof *truth);
     oracle o = oracle_of(mesh);
-    htree *const tree = tree_of_kind(mesh, HTREE_WIDE);
+    htree_options options = options_of(HTREE_WIDE);
+    options.threads = 1;
+    options.flags |= flags;
+    htree *const tree = tree_of(mesh, &options);
     const ht_isa best = tree->isa;
     (void)oracle_batch(&o, rays, count, truth);
     for (uint32_t i = 0; i < COUNT_OF(paths) && paths[i].isa <= best; ++i) {
@@ -71,7 +75,8 @@ static void every_path_equals_the_oracle(void **state) {
             const ray_target target = ray_target_of(&mesh);
             dice d = {seed};
             rays_make_mixed(&target, &d, rays, count);
-            compare_paths(&mesh, rays, count);
+            compare_paths(&mesh, 0, rays, count);
+            compare_paths(&mesh, HTREE_COMPACT, rays, count / 4);
             shape_free(&s);
         }
     }

@@ -16,6 +16,7 @@
 #include "trace.h"
 
 enum {
+    FEW = 2,       /* rays that are not worth rounds */
     STREAMS = 64,  /* bits of a ray_set */
     WAITING = 3072 /* children that may wait; twice as many for `any`, which asks for no distance */
 };
@@ -277,12 +278,12 @@ HT_TARGET HT_INLINE bool next_ray(const htree *tree, const ht_block *block, supp
     return true;
 }
 
-/* Gives each ray its part of the stacks, and returns how many there are: a deep tree has fewer rays in
- * flight. */
-HT_INLINE uint32_t share_stacks(const htree *tree, streams *all, const bool any) {
+/* Gives at most `most` rays their parts of the stacks, and returns how many there are: a deep tree has
+ * fewer rays in flight, and for a ray alone to touch all parts takes as long as its first steps. */
+HT_INLINE uint32_t share_stacks(const htree *tree, streams *all, uint64_t most, const bool any) {
     const uint32_t part = tree->stack + 2 + HT_LANES, room = any ? 2 * WAITING : WAITING;
     uint32_t count = 0;
-    for (; count < STREAMS && (count + 1) * part <= room; ++count) {
+    for (; count < STREAMS && count < most && (count + 1) * part <= room; ++count) {
         all->ray[count].bottom = count * part;
         all->on.child[count * part] = HT_WIDE_NONE;
     }
@@ -304,29 +305,53 @@ HT_TARGET HT_INLINE ray_set answer(const htree *tree, const ht_block *block, sup
     return empty;
 }
 
+/* One ray after the other: with few in flight there is nothing to overlap, and rounds cost more than
+ * they bring. */
+HT_TARGET HT_INLINE void walk_few(const htree *tree, const ht_block *block, supply *from,
+                                  streams *all, const bool any, const bool compact) {
+    while (next_ray(tree, block, from, &all->ray[0])) {
+        for (all->next[0] = 0; all->next[0] != HT_WIDE_NONE;) {
+            if (!(all->next[0] & HT_WIDE_LEAF))
+                visit_nodes(tree, all, 1, any, compact);
+            else if (visit_leaves(tree, block, all, 1, any, compact))
+                judge(tree, all, 1, any, compact);
+        }
+        give_answer(block, all->ray[0].index, &all->ray[0].hit);
+    }
+}
+
+HT_TARGET HT_INLINE void walk_many(const htree *tree, const ht_block *block, supply *from,
+                                   streams *all, uint32_t count, const bool any,
+                                   const bool compact) {
+    ray_set flying = 0, judged = 0;
+    memset(all->next, 0xff, sizeof all->next); /* HT_WIDE_NONE */
+    for (uint32_t i = 0; i < count && next_ray(tree, block, from, &all->ray[i]); ++i) {
+        all->next[i] = 0;
+        flying |= (ray_set)1 << i;
+    }
+    while (flying) {
+        ray_set ended;
+        const ray_set elsewhere = sort_out(all->next, &ended);
+        const ray_set leaves = elsewhere & ~ended & ~judged, verdicts = judged;
+        if (!compact) fetch_leaves(tree, all, leaves);
+        visit_nodes(tree, all, ~elsewhere, any, compact);
+        judged = visit_leaves(tree, block, all, leaves, any, compact);
+        judge(tree, all, verdicts, any, compact);
+        flying &= ~answer(tree, block, from, all, ended & flying);
+    }
+}
+
 HT_TARGET HT_INLINE void walk_block(const htree *tree, const ht_block *block, const bool any,
                                     const bool compact) {
     streams all;
     supply from;
-    const uint32_t count = share_stacks(tree, &all, any);
-    ray_set flying = 0, judged = 0;
+    const uint32_t count = share_stacks(tree, &all, block->count, any);
     from.left = 0;
     from.next = 0;
-    for (uint32_t i = 0; i < STREAMS; ++i) {
-        const bool used = i < count && next_ray(tree, block, &from, &all.ray[i]);
-        all.next[i] = used ? 0 : HT_WIDE_NONE;
-        flying |= (ray_set)used << i;
-    }
-    while (flying) {
-        ray_set ended;
-        const ray_set elsewhere = sort_out(all.next, &ended);
-        const ray_set leaves = elsewhere & ~ended & ~judged, verdicts = judged;
-        if (!compact) fetch_leaves(tree, &all, leaves);
-        visit_nodes(tree, &all, ~elsewhere, any, compact);
-        judged = visit_leaves(tree, block, &all, leaves, any, compact);
-        judge(tree, &all, verdicts, any, compact);
-        flying &= ~answer(tree, block, &from, &all, ended & flying);
-    }
+    if (count <= FEW)
+        walk_few(tree, block, &from, &all, any, compact);
+    else
+        walk_many(tree, block, &from, &all, count, any, compact);
 }
 
 #define HT_DEFINE_BLOCK_WALKS(name)                                                                \
