@@ -68,7 +68,7 @@ HAVE_EMBREE := $(call have-header,embree3/rtcore.h)
 
 # ---- Sources: a folder is a layer, a file is a module ---------------------------------------------
 LIB_SRC := $(sort $(wildcard lib/base/*.c lib/tree/*.c lib/build/*.c lib/build/*/*.c lib/trace/*.c lib/trace/*/*.c))
-PARTS := mesh picture program bart animate table1 visibility nodes
+PARTS := mesh output picture program bart animate table1 visibility nodes
 PART_SRC := $(sort $(foreach part,$(PARTS),$(wildcard examples/$(part)/*.c)))
 BENCH_SRC := $(filter-out $(if $(HAVE_EMBREE),%/peer_none.c,%/peer.c %/peer_pack.c %/peer_trace.c), \
     $(sort $(wildcard examples/bench/*.c)))

@@ -9,8 +9,8 @@
 #include "machine.h"
 #include "ratios.h"
 #include "report.h"
+#include "whole_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,24 +59,19 @@ static bool open_device(bench *b) {
 /* Written before the first scene, so that a path that cannot be written fails early, and anew after
  * every scene. */
 static bool write_json(bench *b) {
-    const char *path = b->args.json;
-    if (!path) return true;
-    FILE *file = fopen(path, "w");
-    if (file) {
-        fputs("{\"machine\": ", file);
-        report_write_string(file, b->machine);
-        fputs(",\n \"command\": ", file);
-        report_write_string(file, b->command);
-        fputs(",\n \"device\": ", file);
-        report_write_string(file, b->device_text);
-        fputs(",\n \"rows\": [", file);
-        rows_write(file, &b->rows);
-        fputs("]}\n", file);
-    }
-    const bool bad = file && ferror(file);
-    const bool ok = file && fclose(file) == 0 && !bad;
-    if (!ok) snprintf(b->error, sizeof b->error, "%s: %s", path, strerror(errno));
-    return ok;
+    whole_file out;
+    if (!b->args.json) return true;
+    if (!whole_file_open(&out, b->args.json, b->error, sizeof b->error)) return false;
+    fputs("{\"machine\": ", out.file);
+    report_write_string(out.file, b->machine);
+    fputs(",\n \"command\": ", out.file);
+    report_write_string(out.file, b->command);
+    fputs(",\n \"device\": ", out.file);
+    report_write_string(out.file, b->device_text);
+    fputs(",\n \"rows\": [", out.file);
+    rows_write(out.file, &b->rows);
+    fputs("]}\n", out.file);
+    return whole_file_close(&out, true, b->error, sizeof b->error);
 }
 
 /* ---- Scenes --------------------------------------------------------------------------------- */

@@ -6,6 +6,7 @@
 #include "report.h"
 #include "shape_mesh.h"
 #include "tree_nodes.h"
+#include "whole_file.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -142,30 +143,31 @@ static htree_status build_and_write(FILE *file, const shape *s, htree_kind kind)
     return status;
 }
 
-static bool complain(const char *what, const char *why) {
-    fprintf(stderr, "%s: %s%s%s\n", program, what, *what ? ": " : "", why);
-    return false;
-}
-
-static bool write_file(const nodes_args *args, const shape *mesh) {
-    FILE *file = args->output ? fopen(args->output, "w") : stdout;
-    const char *name = args->output ? args->output : "standard output";
+static bool write_all(FILE *file, const nodes_args *args, const shape *mesh, char *error,
+                      size_t size) {
     htree_status status = HTREE_OK;
-    if (!file) return complain(name, strerror(errno));
     write_mesh(file, args->mesh_path ? args->mesh_path : args->scene, mesh);
     for (uint32_t i = 0; status == HTREE_OK && i < args->kind_count; ++i) {
         if (i) fputs(",\n  ", file);
         status = build_and_write(file, mesh, args->kinds[i]);
     }
     fputs("\n ]}\n", file);
-    const bool bad = ferror(file) != 0;
-    const bool closed = fclose(file) == 0 && !bad;
-    if (status != HTREE_OK || !closed) {
-        if (args->output) remove(args->output);
-        return status != HTREE_OK ? complain("", htree_error_text())
-                                  : complain(name, strerror(errno));
+    if (status != HTREE_OK) snprintf(error, size, "%s", htree_error_text());
+    return status == HTREE_OK;
+}
+
+static bool write_output(const nodes_args *args, const shape *mesh, char *error, size_t size) {
+    whole_file out;
+    if (args->output) {
+        if (!whole_file_open(&out, args->output, error, size)) return false;
+        const bool good = write_all(out.file, args, mesh, error, size);
+        return whole_file_close(&out, good, error, size);
     }
-    return true;
+    if (!write_all(stdout, args, mesh, error, size)) return false;
+    const bool written = !ferror(stdout);
+    if (fclose(stdout) == 0 && written) return true;
+    snprintf(error, size, "standard output: %s", strerror(errno));
+    return false;
 }
 
 int main(int argc, char **argv) {
@@ -177,7 +179,8 @@ int main(int argc, char **argv) {
     const bool read = args.mesh_path ? mesh_file_read(args.mesh_path, &mesh, error, sizeof error)
                                      : shape_make(&mesh, args.scene, args.triangles, 1) ||
                                            (snprintf(error, sizeof error, "out of memory"), false);
-    const bool ok = read ? write_file(&args, &mesh) : complain("", error);
+    const bool ok = read && write_output(&args, &mesh, error, sizeof error);
+    if (!ok) fprintf(stderr, "%s: %s\n", program, error);
     shape_free(&mesh);
     return ok ? EXIT_SUCCESS : EXIT_INPUT;
 }

@@ -87,5 +87,34 @@ all_say() { # all_say PROGRAM
     echo "count: $rows messages"
 }
 
+# A disk that takes no byte of any file.
+fills() { # fills PROGRAM FILE ARGUMENTS: it says so in one line, and leaves nothing
+    what="htree-$1 $3 with a full disk"
+    # shellcheck disable=SC2086
+    said=$(trap '' XFSZ && ulimit -f 0 && timeout 60 "$programs/htree-$1" $3 2>&1 >/dev/null </dev/null)
+    code=$?
+    [ $code -eq 1 ] || { echo "$said"; echo "$what ended with $code, not 1"; return 1; }
+    [ "$said" = "htree-$1: $work/$2: File too large" ] || { echo "$said"; echo "$what did not say so"; return 1; }
+    [ -z "$(find "$work" -name 'full*')" ] || { find "$work" -name 'full*'; echo "$what left a file"; return 1; }
+    files=$((files + 1))
+}
+
+disk_is_full() {
+    files=0
+    fills render full.png "--scene knot:2000 --size 320x240 -o $work/full.png" &&
+        fills render full.json "--scene knot:200 --size 32x32 --json $work/full.json" &&
+        fills animate full00.png "--frames 3 --size 160x120 -o $work/full%02d.png cloth" &&
+        fills animate full.webp "--frames 3 --size 160x120 --webp $work/full.webp cloth" &&
+        fills animate full.json "--frames 30 --size 16x16 --json $work/full.json cloth" &&
+        fills table1 full.json "--scene knot:300 --size 64x48 --json $work/full.json" &&
+        fills table1 full.csv "--scene knot:300 --size 64x48 --csv $work/full.csv" &&
+        fills bench full.rays "--scene knot:300 --size 64x48 --seconds 0.01 --save-rays $work/full.rays" &&
+        fills bench full.json "--scene knot:300 --size 64x48 --seconds 0.01 --json $work/full.json" &&
+        fills visibility full.png "--scene knot:2000 --size 320x240 -o $work/full.png" &&
+        fills nodes full.json "--scene knot:2000 -o $work/full.json" &&
+        echo "count: $files files refused"
+}
+
 for program in render animate table1 bench visibility nodes; do rule $program all_say $program; done
+rule disk-is-full disk_is_full
 exit $bad

@@ -1,7 +1,7 @@
 /* anim_report.c: one list of figures serves the table, the list and the JSON. */
 #include "anim_report.h"
+#include "whole_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -138,10 +138,8 @@ static void write_all(FILE *file, const anim_report *r) {
 }
 
 bool anim_report_write(const anim_report *r, const char *path, char *error, size_t size) {
-    FILE *file = fopen(path, "w");
-    if (file) write_all(file, r);
-    const bool bad = file && ferror(file);
-    const bool ok = file && fclose(file) == 0 && !bad;
-    if (!ok) snprintf(error, size, "%s: %s", path, strerror(errno));
-    return ok;
+    whole_file out;
+    if (!whole_file_open(&out, path, error, size)) return false;
+    write_all(out.file, r);
+    return whole_file_close(&out, true, error, size);
 }

@@ -1,7 +1,7 @@
 /* webp_file.c: libwebp's encoder of animations; it keeps the frames in memory, compressed. */
 #include "webp_file.h"
+#include "whole_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,16 +57,10 @@ bool webp_add(webp_file *w, const picture *p, double seconds, char *error, size_
 }
 
 static bool save(const WebPData *data, const char *path, char *error, size_t size) {
-    const size_t length = strlen(path) + sizeof ".part";
-    char *part = (char *)malloc(length);
-    if (part) snprintf(part, length, "%s.part", path);
-    FILE *file = part ? fopen(part, "wb") : NULL;
-    bool ok = file && fwrite(data->bytes, 1, data->size, file) == data->size;
-    if (file) ok = (fclose(file) == 0) && ok && rename(part, path) == 0;
-    if (!ok) snprintf(error, size, "%s: %s", path, strerror(errno));
-    if (!ok && file) remove(part);
-    free(part);
-    return ok;
+    whole_file out;
+    if (!whole_file_open(&out, path, error, size)) return false;
+    fwrite(data->bytes, 1, data->size, out.file);
+    return whole_file_close(&out, true, error, size);
 }
 
 bool webp_write(webp_file *w, double seconds, const char *path, char *error, size_t size) {

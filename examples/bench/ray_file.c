@@ -1,5 +1,6 @@
 /* ray_file.c: rays to a file and back, bit for bit. */
 #include "ray_sets.h"
+#include "whole_file.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -26,17 +27,16 @@ static const char *head(void) {
 
 bool ray_sets_save(const ray_set *sets, uint64_t triangles, const char *path, char *error,
                    size_t size) {
-    FILE *file = fopen(path, "wb");
-    if (!file) return fail(error, size, path, strerror(errno));
-    fprintf(file, "%striangles %llu\n", head(), (unsigned long long)triangles);
+    whole_file out;
+    if (!whole_file_open(&out, path, error, size)) return false;
+    fprintf(out.file, "%striangles %llu\n", head(), (unsigned long long)triangles);
     for (int i = 0; i < RAY_SETS; ++i)
-        fprintf(file, "%s %llu %u %s\n", ray_set_text((ray_set_name)i),
+        fprintf(out.file, "%s %llu %u %s\n", ray_set_text((ray_set_name)i),
                 (unsigned long long)sets[i].count, sets[i].row, sets[i].note);
-    fputs("end\n", file);
+    fputs("end\n", out.file);
     for (int i = 0; i < RAY_SETS; ++i)
-        fwrite(sets[i].rays, sizeof *sets[i].rays, (size_t)sets[i].count, file);
-    const bool bad = ferror(file) != 0;
-    return (fclose(file) == 0 && !bad) || fail(error, size, path, strerror(errno));
+        fwrite(sets[i].rays, sizeof *sets[i].rays, (size_t)sets[i].count, out.file);
+    return whole_file_close(&out, true, error, size);
 }
 
 /* ---- Loading -------------------------------------------------------------------------------- */

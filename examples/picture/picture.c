@@ -1,13 +1,12 @@
 /* picture.c: pixels, and PNG by libpng's row interface. */
 #include "picture.h"
+#include "whole_file.h"
 
-#include <errno.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 bool picture_make(picture *out, uint32_t width, uint32_t height) {
     out->width = width;
@@ -103,25 +102,10 @@ static bool write_png(FILE *file, const picture *p, const char *title, write_fai
 
 bool picture_write(const picture *p, const char *path, const char *title, char *error,
                    size_t size) {
-    struct stat status;
-    /* A device such as /dev/null must be written to, never replaced. */
-    const bool device = stat(path, &status) == 0 && !S_ISREG(status.st_mode);
-    const size_t length = strlen(path) + sizeof ".part";
-    char *part = (char *)malloc(length);
-    if (part) snprintf(part, length, "%s%s", path, device ? "" : ".part");
+    whole_file out;
     write_failure png;
-    FILE *file = part ? fopen(part, "wb") : NULL;
-    bool ok = file != NULL;
-    if (!ok) {
-        snprintf(error, size, "%s: %s", path, strerror(errno));
-    } else {
-        ok = write_png(file, p, title, &png);
-        if (!ok) snprintf(error, size, "%s: %s", path, png.text);
-        const bool closed = fclose(file) == 0 && (device || !ok || rename(part, path) == 0);
-        if (ok && !closed) snprintf(error, size, "%s: %s", path, strerror(errno));
-        ok = ok && closed;
-        if (!ok && !device) remove(part);
-    }
-    free(part);
-    return ok;
+    if (!whole_file_open(&out, path, error, size)) return false;
+    const bool ok = write_png(out.file, p, title, &png);
+    if (!ok) snprintf(error, size, "%s: %s", path, png.text);
+    return whole_file_close(&out, ok, error, size);
 }

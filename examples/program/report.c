@@ -1,7 +1,7 @@
 /* report.c: one list of figures serves the table and the JSON, so that both always agree. */
 #include "report.h"
+#include "whole_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -66,24 +66,20 @@ void report_write_string(FILE *file, const char *text) {
 bool report_write_json(const report *r, const char *path, char *error, size_t size) {
     figure figures[FIGURE_COUNT];
     list_figures(r, figures);
-    FILE *file = fopen(path, "w");
-    if (file) {
-        fputs("{\"scene\": ", file);
-        report_write_string(file, r->scene);
-        fprintf(file, ",\n \"kind\": \"%s\"", htree_kind_name(r->stats.kind));
-        if (r->device) {
-            fputs(",\n \"device\": ", file);
-            report_write_string(file, r->device);
-        }
-        for (const figure *f = figures; f->key; ++f) {
-            /* 15 digits keep every count exact; JSON has no word for infinity. */
-            fprintf(file, ",\n \"%s\": ", f->key);
-            fprintf(file, isfinite(f->value) ? "%.15g" : "null", f->value);
-        }
-        fputs("}\n", file);
+    whole_file out;
+    if (!whole_file_open(&out, path, error, size)) return false;
+    fputs("{\"scene\": ", out.file);
+    report_write_string(out.file, r->scene);
+    fprintf(out.file, ",\n \"kind\": \"%s\"", htree_kind_name(r->stats.kind));
+    if (r->device) {
+        fputs(",\n \"device\": ", out.file);
+        report_write_string(out.file, r->device);
     }
-    const bool bad = file && ferror(file);
-    const bool ok = file && fclose(file) == 0 && !bad;
-    if (!ok) snprintf(error, size, "%s: %s", path, strerror(errno));
-    return ok;
+    for (const figure *f = figures; f->key; ++f) {
+        /* 15 digits keep every count exact; JSON has no word for infinity. */
+        fprintf(out.file, ",\n \"%s\": ", f->key);
+        fprintf(out.file, isfinite(f->value) ? "%.15g" : "null", f->value);
+    }
+    fputs("}\n", out.file);
+    return whole_file_close(&out, true, error, size);
 }

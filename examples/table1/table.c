@@ -3,8 +3,8 @@
 
 #include "figures.h"
 #include "report.h"
+#include "whole_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -131,13 +131,6 @@ static void list_figures(const table_block *block, const measure_row *row, figur
     memcpy(out, list, sizeof list);
 }
 
-static bool close_file(FILE *file, const char *path, char *error, size_t size) {
-    const bool bad = file && ferror(file);
-    const bool ok = file && fclose(file) == 0 && !bad;
-    if (!ok) snprintf(error, size, "%s: %s", path, strerror(errno));
-    return ok;
-}
-
 static void write_json_row(FILE *file, const table_block *block, const measure_row *row) {
     figure figures[FIGURE_COUNT];
     list_figures(block, row, figures);
@@ -154,24 +147,23 @@ static void write_json_row(FILE *file, const table_block *block, const measure_r
 
 bool table_write_json(const table_block *blocks, uint32_t count, const char *machine,
                       const char *command, const char *path, char *error, size_t size) {
-    FILE *file = fopen(path, "w");
+    whole_file out;
     bool first = true;
-    if (file) {
-        fputs("{\"machine\": ", file);
-        report_write_string(file, machine);
-        fputs(",\n \"command\": ", file);
-        report_write_string(file, command);
-        fputs(",\n \"rows\": [", file);
-        for (uint32_t i = 0; i < count; ++i) {
-            for (uint32_t k = 0; k < blocks[i].row_count; ++k) {
-                fputs(first ? "\n  " : ",\n  ", file);
-                write_json_row(file, &blocks[i], &blocks[i].rows[k]);
-                first = false;
-            }
+    if (!whole_file_open(&out, path, error, size)) return false;
+    fputs("{\"machine\": ", out.file);
+    report_write_string(out.file, machine);
+    fputs(",\n \"command\": ", out.file);
+    report_write_string(out.file, command);
+    fputs(",\n \"rows\": [", out.file);
+    for (uint32_t i = 0; i < count; ++i) {
+        for (uint32_t k = 0; k < blocks[i].row_count; ++k) {
+            fputs(first ? "\n  " : ",\n  ", out.file);
+            write_json_row(out.file, &blocks[i], &blocks[i].rows[k]);
+            first = false;
         }
-        fputs("]}\n", file);
     }
-    return close_file(file, path, error, size);
+    fputs("]}\n", out.file);
+    return whole_file_close(&out, true, error, size);
 }
 
 /* Names may hold commas and quotes. */
@@ -187,21 +179,23 @@ static void write_csv_string(FILE *file, const char *text) {
 bool table_write_csv(const table_block *blocks, uint32_t count, const char *path, char *error,
                      size_t size) {
     figure figures[FIGURE_COUNT];
-    FILE *file = fopen(path, "w");
-    for (uint32_t i = 0; file && i < count; ++i) {
+    whole_file out;
+    if (!whole_file_open(&out, path, error, size)) return false;
+    for (uint32_t i = 0; i < count; ++i) {
         for (uint32_t k = 0; k < blocks[i].row_count; ++k) {
-            list_figures(&blocks[i], &blocks[i].rows[k], figures);
+            const measure_row *row = &blocks[i].rows[k];
+            list_figures(&blocks[i], row, figures);
             if (i + k == 0) {
-                fputs("scene,kind,label", file);
-                for (int f = 0; f < FIGURE_COUNT; ++f) fprintf(file, ",%s", figures[f].key);
-                fputc('\n', file);
+                fputs("scene,kind,label", out.file);
+                for (int f = 0; f < FIGURE_COUNT; ++f) fprintf(out.file, ",%s", figures[f].key);
+                fputc('\n', out.file);
             }
-            write_csv_string(file, blocks[i].name);
-            fprintf(file, ",%s,%s", htree_kind_name(blocks[i].rows[k].way.kind), blocks[i].label);
+            write_csv_string(out.file, blocks[i].name);
+            fprintf(out.file, ",%s,%s", htree_kind_name(row->way.kind), blocks[i].label);
             for (int f = 0; f < FIGURE_COUNT; ++f)
-                fprintf(file, isfinite(figures[f].value) ? ",%.15g" : ",", figures[f].value);
-            fputc('\n', file);
+                fprintf(out.file, isfinite(figures[f].value) ? ",%.15g" : ",", figures[f].value);
+            fputc('\n', out.file);
         }
     }
-    return close_file(file, path, error, size);
+    return whole_file_close(&out, true, error, size);
 }
