@@ -1,6 +1,7 @@
 /* test_query.c: what queries promise beside the hits themselves: intervals, batches, counters, rays
  * that miss by their numbers. */
 #include "oracle.h"
+#include "pictures.h"
 #include "rays.h"
 
 #include <math.h>
@@ -117,6 +118,59 @@ static void batches_equal_singles_in_any_order_and_size(void **state) {
     say("batches of 1 to 20000 rays equal to singles: %llu", (unsigned long long)batches);
 }
 
+/* Rays and hits at every multiple of four bytes, answers at every byte, and not a byte beside them. */
+static void check_places(const htree *tree, const htree_ray *rays, const htree_hit *truth,
+                         uint64_t count) {
+    enum { PLACES = 16, EDGE = 64 };
+    const uint64_t most = count * sizeof *rays + 2 * EDGE;
+    char *const from = (char *)take(most), *const to = (char *)take(most);
+    for (uint64_t place = 0; place < PLACES; ++place) {
+        char *const in = from + 4 * place, *const out = to + EDGE - 4 * place;
+        const uint64_t end = (uint64_t)(out - to) + count * sizeof *truth;
+        memcpy(in, rays, (size_t)(count * sizeof *rays));
+        memset(to, 0x5a, (size_t)most);
+        assert_int_equal(htree_intersect(tree, (const htree_ray *)(const void *)in, count,
+                                         (htree_hit *)(void *)out, NULL),
+                         HTREE_OK);
+        assert_memory_equal(out, truth, (size_t)(count * sizeof *truth));
+        for (uint64_t i = 0; i < most; ++i) {
+            if (to + i < out || i >= end) assert_int_equal(to[i], 0x5a);
+        }
+        uint8_t *const any = (uint8_t *)to + place;
+        assert_int_equal(
+            htree_occluded(tree, (const htree_ray *)(const void *)in, count, any, NULL), HTREE_OK);
+        for (uint64_t i = 0; i < count; ++i) assert_int_equal(any[i], truth[i].prim != HTREE_NONE);
+    }
+    free(from);
+    free(to);
+}
+
+static void arrays_may_lie_anywhere(void **state) {
+    enum { MIXED = 300, WIDTH = 64, HEIGHT = 20 };
+    const float eye[3] = {0, 0, 4}, forward[3] = {0, 0, -1};
+    (void)state;
+    shape s = shape_of("waves", 2000, 5);
+    const htree_mesh mesh = mesh_of(&s);
+    const ray_target target = ray_target_of(&mesh);
+    picture p = picture_pinhole(WIDTH, HEIGHT, 0, eye, forward, 0.002f);
+    htree_ray *const rays = (htree_ray *)take(MIXED * sizeof *rays);
+    htree_hit *const truth = (htree_hit *)take((MIXED + p.count) * sizeof *truth);
+    dice d = {14};
+    rays_make_mixed(&target, &d, rays, MIXED);
+    for (htree_kind kind = next_kind(0); kind != 0; kind = next_kind(kind)) {
+        htree *const tree = tree_of_kind(&mesh, kind);
+        assert_int_equal(htree_intersect(tree, rays, MIXED, truth, NULL), HTREE_OK);
+        check_places(tree, rays, truth, MIXED);
+        assert_int_equal(htree_intersect(tree, p.rays, p.count, truth, NULL), HTREE_OK);
+        check_places(tree, p.rays, truth, p.count);
+        htree_free(tree);
+    }
+    free(truth);
+    free(rays);
+    free(p.rays);
+    shape_free(&s);
+}
+
 static void counters_count_and_do_not_change_hits(void **state) {
     (void)state;
     shape s = shape_of("knot", 2000, 5);
@@ -193,6 +247,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_interval_is_closed_at_both_ends),
         cmocka_unit_test(batches_equal_singles_in_any_order_and_size),
+        cmocka_unit_test(arrays_may_lie_anywhere),
         cmocka_unit_test(counters_count_and_do_not_change_hits),
         cmocka_unit_test(invalid_rays_cost_no_step),
     };
