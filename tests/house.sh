@@ -1,6 +1,6 @@
 #!/bin/sh
-# house.sh: the rules of the house that no test program can see: layers, the header alone, the ABI, what
-# the library needs and exports, and what its sources may contain. Prints `ok NAME` or `FAILED NAME: why`
+# house.sh: the rules of the house that no test program can see: layers, the header alone, what the
+# library needs and exports, and what its sources may contain. Prints `ok NAME` or `FAILED NAME: why`
 # for each rule, and the details above it. Uses the release build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -62,7 +62,7 @@ check_headers() {
     done
 }
 
-# ---- The ABI ------------------------------------------------------------------------------------------
+# ---- The library --------------------------------------------------------------------------------------
 
 # The symbols of library $1.
 exported() {
@@ -75,72 +75,6 @@ only_ours_is_exported() {
     [ -z "$strangers" ] || { echo "$1 exports" $strangers; return 1; }
 }
 
-# What header $1 declares: `size TYPE`, `field TYPE.FIELD` and `constant NAME`, in its order.
-abi_names() {
-    awk '
-        /^typedef (u?int[0-9]+_t) [a-z_]+;/ { sub(/;/, "", $3); print "size", $3 }
-        /^typedef struct [a-z_]+ \{/ { type = $3; print "size", type; next }
-        /^}/ { type = "" }
-        /^enum \{/ { listing = 1; next }
-        /^};/ { listing = 0 }
-        type != "" && /;/ {
-            line = $0
-            sub(/\/\*.*/, "", line)
-            if (line ~ /\(\*/) {
-                sub(/^[^(]*\(\*/, "", line)
-                sub(/\).*/, "", line)
-                print "field", type "." line
-                next
-            }
-            if (!sub(/;.*/, "", line)) next
-            sub(/^ *(const )?[a-z_0-9]+ /, "", line)
-            n = split(line, names, ",")
-            for (i = 1; i <= n; ++i) {
-                gsub(/[ *]|\[[0-9]*\]/, "", names[i])
-                print "field", type "." names[i]
-            }
-        }
-        listing && /^ *HTREE_[A-Z_0-9]+ =/ { print "constant", $1 }
-        /^#define HTREE_[A-Z_]+ +[0-9U]/ { print "constant", $2 }
-    ' "include/$1"
-}
-
-# The ABI of header $1, this compiler and library $2.
-abi_now() {
-    abi_names "$1" >"$work/names"
-    [ -s "$work/names" ] || { echo "cannot read include/$1"; return 1; }
-    {
-        echo "#include \"$1\""
-        cat <<'C'
-#include <stddef.h>
-#include <stdio.h>
-#define SIZE(type) printf("size %s %lu\n", #type, (unsigned long)sizeof(type));
-#define FIELD(type, field) \
-    printf("field %s.%s %lu %lu\n", #type, #field, (unsigned long)offsetof(type, field), \
-           (unsigned long)sizeof(((type *)0)->field));
-#define CONSTANT(name) printf("constant %s %.20g\n", #name, (double)(name));
-int main(void) {
-C
-        awk '$1 == "size" { print "SIZE(" $2 ")" }
-            $1 == "field" { split($2, part, "."); print "FIELD(" part[1] ", " part[2] ")" }
-            $1 == "constant" { print "CONSTANT(" $2 ")" }' "$work/names"
-        echo 'return 0; }'
-    } >"$work/abi.c"
-    # shellcheck disable=SC2086
-    $CC -std=c99 -Iinclude -o "$work/abi" "$work/abi.c" || return 1
-    echo '# Sizes, fields (offset, size), constants and symbols, on 64-bit machines: see tests/house.sh.'
-    "$work/abi"
-    exported "$2" | sed 's/^/symbol /'
-}
-
-# The ABI of header $1 and library $2 is that of file $3.
-abi_is_as_committed() {
-    abi_now "$1" "$2" >"$work/abi.now" || return 1
-    diff -u "$3" "$work/abi.now" ||
-        { echo "the ABI differs from $3; if that is meant: sh tests/house.sh --abi"; return 1; }
-}
-
-# ---- The library --------------------------------------------------------------------------------------
 
 # Printing, ending the process and what keeps global state. vsnprintf writes to memory and is fine.
 nothing_exits_or_prints() {
@@ -217,18 +151,11 @@ library_is_built() {
     [ -f "$static" ] && [ -f "$shared" ] || { echo "no $shared: make lib"; return 1; }
 }
 
-if [ "${1-}" = --abi ]; then # writes what the ABI is now
-    abi_now htree.h "$shared" >tests/abi.txt
-    has_opencl && abi_now htree_cl.h "$shared_cl" >tests/abi_cl.txt
-    exit
-fi
-
 rule layers layers_are_kept
 check_headers
 rule library-is-built library_is_built
 if [ -f "$static" ] && [ -f "$shared" ]; then
     rule only-htree-is-exported only_ours_is_exported "$shared" htree_
-    rule abi-is-as-committed abi_is_as_committed htree.h "$shared" tests/abi.txt
     rule nothing-exits-or-prints nothing_exits_or_prints "$shared"
     rule needs-libc-only needs_libc_only "$shared" none
     rule is-hardened is_hardened "$shared"
@@ -236,7 +163,6 @@ if [ -f "$static" ] && [ -f "$shared" ]; then
 fi
 if has_opencl; then
     rule only-htree-cl-is-exported only_ours_is_exported "$shared_cl" htree_cl_
-    rule abi-of-cl-is-as-committed abi_is_as_committed htree_cl.h "$shared_cl" tests/abi_cl.txt
     rule nothing-of-cl-exits-or-prints nothing_exits_or_prints "$shared_cl"
     rule cl-is-hardened is_hardened "$shared_cl"
     rule cl-needs-htree-and-libc-only needs_libc_only "$shared_cl" 'libhtree|libdl'
