@@ -8,7 +8,7 @@
 #include <xmmintrin.h>
 #endif
 
-enum { MIXED = 600, WIDTH = 64, HEIGHT = 16, RAYS = MIXED + WIDTH * HEIGHT };
+enum { MIXED = 300, WIDTH = 32, HEIGHT = 16, RAYS = MIXED + WIDTH * HEIGHT };
 
 /* ---- Environments --------------------------------------------------------------------------- */
 

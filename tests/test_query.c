@@ -146,7 +146,7 @@ static void check_places(const htree *tree, const htree_ray *rays, const htree_h
 }
 
 static void arrays_may_lie_anywhere(void **state) {
-    enum { MIXED = 300, WIDTH = 64, HEIGHT = 20 };
+    enum { MIXED = 100, WIDTH = 64, HEIGHT = 16 };
     const float eye[3] = {0, 0, 4}, forward[3] = {0, 0, -1};
     (void)state;
     shape s = shape_of("waves", 2000, 5);

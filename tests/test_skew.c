@@ -34,7 +34,7 @@ static void put_triangle(float *p, float x, float y, float z, float size) {
 
 /* n triangles that are one: the depth is that of a balanced tree, and time that of random ones. */
 static void identical_triangles_are_split_by_index(void **state) {
-    const uint64_t n = scaled(100) < 20 ? 20000 : 100000;
+    const uint64_t n = scaled(100) < 20 ? 8000 : 100000;
     float *const same = (float *)take(n * 36);
     float *const random = (float *)take(n * 36);
     dice d = {2};

@@ -118,7 +118,7 @@ static void every_kind_equals_oracle_on_every_shape_and_ray_family(void **state)
             const htree_mesh mesh = mesh_of(&s);
             run r;
             run_begin(&r, *name, &mesh);
-            run_rays(&r, scaled(triangles == 40 ? 6000 : 3600), seed);
+            run_rays(&r, scaled(triangles == 40 ? 5200 : 3000), seed);
             run_end(&r);
             shape_free(&s);
         }

@@ -21,11 +21,20 @@
 #include "shapes.h"
 
 #if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SUITE_SANITIZED 1
+#if __has_feature(address_sanitizer)
+#define SUITE_ASAN 1
+#endif
+#if __has_feature(thread_sanitizer)
+#define SUITE_TSAN 1
 #endif
 #endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__)
+#define SUITE_ASAN 1
+#endif
+#if defined(__SANITIZE_THREAD__)
+#define SUITE_TSAN 1
+#endif
+#if defined(SUITE_ASAN) || defined(SUITE_TSAN)
 #define SUITE_SANITIZED 1
 #endif
 
