@@ -29,7 +29,7 @@ suits() {
     tsan-cl | tsan-cl_api | tsan-cl_processes) return 1 ;;
     tsan-cl_arguments | tsan-cl_devices | tsan-cl_faults) return 1 ;;
     tsan-aff | tsan-exact | tsan-file_broken | tsan-golden | tsan-isa | tsan-paper) return 1 ;;
-    tsan-special | tsan-subdivide | tsan-trace | tsan-triangle | tsan-watertight) return 1 ;;
+    tsan-query | tsan-skew | tsan-special | tsan-subdivide | tsan-trace | tsan-triangle | tsan-watertight) return 1 ;;
     esac
 }
 
