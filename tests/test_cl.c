@@ -52,7 +52,7 @@ static void compare_all_kinds(const htree_mesh *mesh, const htree_ray *rays, uin
 /* ---- Same answer ---------------------------------------------------------------------------- */
 
 static void every_kind_equals_the_cpu_on_every_shape_and_ray_family(void **state) {
-    const uint64_t most = scaled(14 * 3600);
+    const uint64_t most = scaled(14 * 2600);
     htree_ray *const rays = (htree_ray *)take(most * sizeof *rays);
     uint32_t seed = 1;
     (void)state;
