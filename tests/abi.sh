@@ -16,10 +16,6 @@ trap 'rm -rf "$work"' EXIT
 
 # ---- By the compiler -----------------------------------------------------------------------------------
 
-exported() { # exported LIBRARY
-    nm -D --defined-only "$1" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
-}
-
 # What header $1 declares: `size TYPE`, `field TYPE.FIELD` and `constant NAME`, in its order.
 abi_names() {
     awk '

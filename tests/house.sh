@@ -64,11 +64,6 @@ check_headers() {
 
 # ---- The library --------------------------------------------------------------------------------------
 
-# The symbols of library $1.
-exported() {
-    nm -D --defined-only "$1" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
-}
-
 # Library $1 exports nothing but names that begin with $2.
 only_ours_is_exported() {
     strangers=$(exported "$1" | grep -v "^$2")

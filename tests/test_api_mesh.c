@@ -89,14 +89,6 @@ static void build_refuses_strides_beyond_memory_and_odd_addresses(void **state) 
     assert_not_built(&mesh, NULL, HTREE_ERROR_ARGUMENT);
 }
 
-static int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
-    (void)user;
-    (void)object;
-    (void)ray;
-    (void)hit;
-    return 0;
-}
-
 static void assert_counts_refused(uint64_t triangles, uint64_t objects, bool indexed) {
     static const uint32_t indices[3] = {0, 1, 2};
     const htree_box box = {{0, 0, 0}, {1, 1, 1}};

@@ -45,14 +45,6 @@ static const scenario scenarios[] = {
     {"crowd", 11000, 1, false, HTREE_WIDE, HTREE_LAZY},
 };
 
-static int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
-    (void)user;
-    (void)object;
-    (void)ray;
-    (void)hit;
-    return 0;
-}
-
 /* Everything that a scenario needs, and its hits of a clean run. */
 typedef struct stage {
     shape s;

@@ -33,3 +33,7 @@ skip_all() { # skip_all WHY: and ends
     skip all "$1"
     exit $bad
 }
+
+exported() { # exported LIBRARY: its symbols
+    nm -D --defined-only "$1" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
+}

@@ -114,6 +114,14 @@ const float *mesh_corner(const htree_mesh *mesh, uint64_t triangle, uint32_t cor
     return mesh->positions + vertex * (stride / 4);
 }
 
+int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit) {
+    (void)user;
+    (void)object;
+    (void)ray;
+    (void)hit;
+    return 0;
+}
+
 htree_options options_of(htree_kind kind) {
     htree_options options;
     if (htree_options_init(&options, sizeof options, kind) != HTREE_OK) {

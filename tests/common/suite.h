@@ -90,6 +90,9 @@ htree_mesh plain_mesh(const float *xyz, uint64_t triangles);
 /* Corner 0, 1 or 2 of a triangle: three floats inside the mesh. */
 const float *mesh_corner(const htree_mesh *mesh, uint64_t triangle, uint32_t corner);
 
+/* An object that no ray meets. */
+int32_t never_hit(void *user, uint32_t object, const htree_ray *ray, htree_hit *hit);
+
 htree_options options_of(htree_kind kind);
 
 /* Builds and proves the tree with htree_check; fails the test if either does not return HTREE_OK.
